@@ -1,0 +1,107 @@
+//! Command `edges`: ranges from edge points, frame by frame.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use shutter_range::{Line, Range};
+
+use crate::edge_file::{self, EdgeRow};
+use crate::report::{Document, Frame};
+use crate::setup::SetupFile;
+use crate::tracking;
+
+/// Knots of a line whose edges are known to belong together: memory is no concern here.
+pub(crate) const KNOTS: usize = 64;
+
+pub(crate) fn ranges(path: &Path, setup: &SetupFile) -> Result<Document> {
+    let name = path.display().to_string();
+    let text = read(path).with_context(|| format!("reading {name}"))?;
+    let frames = frames(&name, &text, setup).with_context(|| name.clone())?;
+    Ok(Document { frames })
+}
+
+fn read(path: &Path) -> Result<String> {
+    if path != Path::new("-") {
+        return Ok(std::fs::read_to_string(path)?);
+    }
+    let mut text = String::new();
+    std::io::stdin().read_to_string(&mut text)?;
+    Ok(text)
+}
+
+fn frames(name: &str, text: &str, setup: &SetupFile) -> Result<Vec<Frame>> {
+    let file = edge_file::parse(text, setup)?;
+    let mut groups: BTreeMap<Option<i64>, Vec<EdgeRow>> = BTreeMap::new();
+    if !file.has_frames {
+        // Nothing found in the only frame is a result, too.
+        groups.insert(None, Vec::new());
+    }
+    for row in file.rows {
+        groups.entry(row.frame).or_default().push(row);
+    }
+    let named = |number| match number {
+        Some(number) => format!("{name}#{number}"),
+        None => name.to_string(),
+    };
+    groups.into_iter().map(|(number, rows)| frame(named(number), rows, setup)).collect()
+}
+
+/// Edges that name their line make one; the tracker sorts out the others.
+fn frame(name: String, rows: Vec<EdgeRow>, setup: &SetupFile) -> Result<Frame> {
+    let mut lines: BTreeMap<i64, Vec<EdgeRow>> = BTreeMap::new();
+    let mut unassigned = Vec::new();
+    for row in rows {
+        match row.line {
+            Some(line) => lines.entry(line).or_default().push(row),
+            None => unassigned.push(row),
+        }
+    }
+    let tracked = tracking::track(unassigned, setup)?;
+    let mut ranges = tracked.ranges;
+    for (number, rows) in lines {
+        ranges.push(range_of(number, rows, setup)?);
+    }
+    Ok(Frame::new(name, &mut ranges, tracked.counters))
+}
+
+fn range_of(number: i64, mut rows: Vec<EdgeRow>, setup: &SetupFile) -> Result<Range<f64>> {
+    let readout = setup.setup.readout();
+    rows.sort_by_key(|row| readout.rows_before(row.edge.row));
+    refuse_twin_rows(number, &rows)?;
+    let Some((first, others)) = rows.split_first() else { bail!("line {number} has no edges") };
+    let mut line: Line<KNOTS> = Line::new(first.edge);
+    for row in others {
+        if line.push(row.edge).is_err() {
+            bail!("line {}: {}", row.at, backwards(row, line.last().row));
+        }
+    }
+    Ok(Range::of_line(&setup.setup, &setup.motion, &line))
+}
+
+fn refuse_twin_rows(number: i64, rows: &[EdgeRow]) -> Result<()> {
+    let twins = rows.windows(2).find_map(|pair| match pair {
+        [a, b] if a.edge.row == b.edge.row => Some((a, b)),
+        _ => None,
+    });
+    match twins {
+        Some((a, b)) => bail!(
+            "lines {} and {}: `line` {number} has two edges on `row` {}, but must have one: number them as two lines",
+            a.at.min(b.at),
+            a.at.max(b.at),
+            a.edge.row
+        ),
+        None => Ok(()),
+    }
+}
+
+/// Stamps that contradict the order of readout.
+pub(crate) fn backwards(row: &EdgeRow, previous_row: u16) -> String {
+    format!(
+        "`time_s` is {}, earlier than on row {previous_row}, which was read before row {}: \
+         check the stamps and `camera.direction`",
+        row.edge.time_ns as f64 * 1e-9,
+        row.edge.row
+    )
+}

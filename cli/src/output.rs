@@ -1,0 +1,28 @@
+//! Standard output: text or JSON, colours or none.
+
+use std::io::{self, ErrorKind, IsTerminal, Write};
+
+use anyhow::{Context, Result};
+use serde::Serialize;
+
+/// Whether standard output shows colours: a terminal, unless told otherwise (<https://no-color.org>).
+pub(crate) fn colours() -> bool {
+    let unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+    io::stdout().is_terminal() && !unwanted && !dumb
+}
+
+pub(crate) fn json(document: &impl Serialize) -> Result<String> {
+    let mut text = serde_json::to_string_pretty(document).context("writing JSON")?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Writes everything; a reader that has seen enough (`| head`) is no error.
+pub(crate) fn print(text: &str) -> Result<()> {
+    let mut stdout = io::stdout().lock();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("standard output"),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,123 @@
+//! What is told of frames and their ranges. The names and their order are an interface: scripts read them as JSON.
+
+use serde::Serialize;
+use shutter_range::{Counters, Polarity, Range, RangeStatus};
+
+#[derive(Serialize)]
+pub(crate) struct Document {
+    pub(crate) frames: Vec<Frame>,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Frame {
+    pub(crate) name: String,
+    pub(crate) torn: bool,
+    pub(crate) ranges: Vec<RangeReport>,
+    pub(crate) dropped_edges: u32,
+    pub(crate) dropped_lines: u32,
+    /// Edges that became part of no line.
+    #[serde(skip)]
+    pub(crate) stray_edges: u32,
+}
+
+#[derive(Serialize)]
+pub(crate) struct RangeReport {
+    pub(crate) bearing: f64,
+    pub(crate) inverse_depth_per_m: f64,
+    pub(crate) sigma_inverse_depth_per_m: f64,
+    pub(crate) depth_m: Option<f64>,
+    pub(crate) sigma_depth_m: Option<f64>,
+    pub(crate) distance_m: Option<f64>,
+    pub(crate) nearest_m: Option<f64>,
+    pub(crate) farthest_m: Option<f64>,
+    pub(crate) first_row: u16,
+    pub(crate) last_row: u16,
+    pub(crate) column_at_first_row: f64,
+    pub(crate) edges: u16,
+    pub(crate) polarity: Option<&'static str>,
+    pub(crate) status: Status,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Status {
+    Ok,
+    Far,
+    Slow,
+    Inconsistent,
+    Bent,
+    Short,
+}
+
+impl Status {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Far => "far",
+            Self::Slow => "slow",
+            Self::Inconsistent => "inconsistent",
+            Self::Bent => "bent",
+            Self::Short => "short",
+        }
+    }
+}
+
+impl From<RangeStatus> for Status {
+    fn from(status: RangeStatus) -> Self {
+        match status {
+            RangeStatus::Ok => Self::Ok,
+            RangeStatus::Far => Self::Far,
+            RangeStatus::Inconsistent => Self::Inconsistent,
+            RangeStatus::Bent => Self::Bent,
+            RangeStatus::Short => Self::Short,
+            // Sideways as well: nothing is known of the depth then, and its sigma says so.
+            _ => Self::Slow,
+        }
+    }
+}
+
+impl Frame {
+    /// Ranges are told from left to right, wherever they ended.
+    pub(crate) fn new(name: String, ranges: &mut [Range<f64>], counters: Counters) -> Self {
+        ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
+        Self {
+            name,
+            torn: false,
+            ranges: ranges.iter().map(RangeReport::new).collect(),
+            dropped_edges: counters.dropped_edges,
+            dropped_lines: counters.dropped_lines,
+            stray_edges: counters.stray_edges,
+        }
+    }
+}
+
+impl RangeReport {
+    fn new(range: &Range<f64>) -> Self {
+        const SIGMAS: f64 = 2.0;
+        let (estimate, depth) = (&range.estimate, range.depth(SIGMAS));
+        Self {
+            bearing: estimate.bearing,
+            inverse_depth_per_m: estimate.inverse_depth_per_m,
+            sigma_inverse_depth_per_m: estimate.sigma_inverse_depth_per_m,
+            depth_m: depth.estimate_m.map(|(depth, _)| depth),
+            sigma_depth_m: depth.estimate_m.map(|(_, sigma)| sigma),
+            distance_m: range.distance(SIGMAS).estimate_m.map(|(distance, _)| distance),
+            nearest_m: depth.nearest_m,
+            farthest_m: depth.farthest_m,
+            first_row: range.first_row,
+            last_row: range.last_row,
+            column_at_first_row: range.column_at_first_row,
+            edges: range.edges,
+            polarity: polarity(range.polarity),
+            status: range.status.into(),
+        }
+    }
+}
+
+fn polarity(polarity: Polarity) -> Option<&'static str> {
+    match polarity {
+        Polarity::Rising => Some("rising"),
+        Polarity::Falling => Some("falling"),
+        Polarity::Unknown => None,
+    }
+}

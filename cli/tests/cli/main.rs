@@ -1,0 +1,7 @@
+//! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
+
+mod edges;
+mod reference_lines;
+mod refusals;
+mod table2;
+mod tool;

@@ -1,0 +1,284 @@
+//! Wrong input: exit codes and messages that name what is wrong and what would be right.
+
+use crate::tool::{Folder, SETUP};
+
+const EDGES: &str = "row,column\n1,2\n";
+
+#[track_caller]
+fn assert_fails(folder: &Folder, message: &str) {
+    let outcome = folder.edges();
+    assert_eq!(outcome.code, 1, "{}", outcome.stderr);
+    assert_eq!(outcome.stdout, "");
+    assert_eq!(outcome.stderr, format!("error: {message}\n"));
+}
+
+/// The setup with one text replaced by another.
+#[track_caller]
+fn refuse_setup(old: &str, new: &str, message: &str) {
+    assert!(SETUP.contains(old), "{old}");
+    assert_fails(&Folder::of(&SETUP.replace(old, new), EDGES), &format!("setup.toml: {message}"));
+}
+
+#[track_caller]
+fn refuse_edges(edges: &str, message: &str) {
+    assert_fails(&Folder::of(SETUP, edges), &format!("edges.csv: {message}"));
+}
+
+#[test]
+fn usage_is_exit_code_2() {
+    let folder = Folder::of(SETUP, EDGES);
+    for arguments in [&["edges"][..], &["edges", "edges.csv"], &[], &["table3"], &["table2", "--yaml"]] {
+        assert_eq!(folder.run(arguments).code, 2, "{arguments:?}");
+    }
+    for arguments in [&["--help"][..], &["edges", "--help"], &["--version"]] {
+        assert_eq!(folder.run(arguments).code, 0, "{arguments:?}");
+    }
+    assert!(folder.run(&["--help"]).stdout.contains("Examples:"));
+}
+
+#[test]
+fn missing_files() {
+    let outcome = Folder::new().with("setup.toml", SETUP).edges();
+    assert!(outcome.code == 1 && outcome.stderr.starts_with("error: reading edges.csv: "), "{}", outcome.stderr);
+    let outcome = Folder::new().with("edges.csv", EDGES).edges();
+    assert!(outcome.code == 1 && outcome.stderr.starts_with("error: reading setup.toml: "), "{}", outcome.stderr);
+    let outcome = Folder::new().with("setup.toml", SETUP).with("edges.csv", [0xff, 0xfe]).edges();
+    assert!(outcome.code == 1 && outcome.stderr.contains("UTF-8"), "{}", outcome.stderr);
+}
+
+#[test]
+fn unknown_keys_of_a_setup() {
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nreadout = 0.02",
+        "unknown key `camera.readout`; the nearest is `camera.readout_s`",
+    );
+    refuse_setup("columns", "colums", "unknown key `camera.colums`; the nearest is `camera.columns`");
+    refuse_setup("velocity_m_s", "velocity", "unknown key `motion.velocity`; the nearest is `motion.velocity_m_s`");
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\ngravity = [0, 1, 0]",
+        "unknown key `camera.gravity`; the nearest is `attitude.gravity`",
+    );
+    refuse_setup("[attitude]", "[atitude]", "unknown section [atitude]; the nearest is [attitude]");
+    refuse_setup(
+        "[camera]",
+        "exposure_ms = 1\n[camera]",
+        "unknown key `exposure_ms` outside the sections; the nearest is `camera.exposure_s`",
+    );
+}
+
+#[test]
+fn values_of_a_setup() {
+    refuse_setup(
+        "fx = 600",
+        "fx = -1",
+        "`camera.fx` is -1, but must be a number from 1 to 1000000 (focal length in pixels)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = \"wide\"",
+        "`camera.fx` is \"wide\", but must be a number from 1 to 1000000 (focal length in pixels)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = nan",
+        "`camera.fx` is nan, but must be a number from 1 to 1000000 (focal length in pixels)",
+    );
+    refuse_setup("fx = 600", "fx = 600\ncy = inf", "`camera.cy` is inf, but must be a finite number (pixels)");
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\ncx = -700.0",
+        "`camera.cx` is -700, but must be at most one image size outside the image (pixels)",
+    );
+    refuse_setup("rows = 480", "rows = 0", "`camera.rows` is 0, but must be a whole number from 1 to 32767 (pixels)");
+    refuse_setup("rows = 480", "", "`camera.rows` is missing: it must be a whole number from 1 to 32767 (pixels)");
+    refuse_setup(
+        "columns = 640",
+        "columns = 640.5",
+        "`camera.columns` is 640.5, but must be a whole number from 1 to 32767 (pixels)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\ndirection = \"down\"",
+        "`camera.direction` is \"down\", but must be \"top-to-bottom\" or \"bottom-to-top\"",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nexposure_s = 0",
+        "`camera.exposure_s` is 0, but must be a number above 0, at most 60 (seconds)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nlens_blur_px = -0.7",
+        "`camera.lens_blur_px` is -0.7, but must be a number above 0, at most 1000 (pixels, one sigma)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nsigma_column_px = 0.0",
+        "`camera.sigma_column_px` is 0.0, but must be a number above 0, at most 1000 (pixels, one standard deviation)",
+    );
+    refuse_setup(
+        "sigma_tilt_deg = 0",
+        "sigma_tilt_deg = -0.1",
+        "`attitude.sigma_tilt_deg` is -0.1, but must be a number from 0 to 90 (degrees, one standard deviation)",
+    );
+    refuse_setup(
+        "[motion]",
+        "[motion]\nsigma_speed = nan",
+        "`motion.sigma_speed` is nan, but must be a number from 0 to 10 (relative, one standard deviation)",
+    );
+}
+
+#[test]
+fn focal_length_once() {
+    let choice = "`camera.fx`, or `camera.focal_length_mm` and `camera.pixel_pitch_um`";
+    refuse_setup("fx = 600", "", &format!("the focal length is missing: give {choice}"));
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\npixel_pitch_um = 3",
+        &format!("the focal length is given twice: give {choice}, not all"),
+    );
+    refuse_setup(
+        "fx = 600",
+        "focal_length_mm = 3",
+        "`camera.pixel_pitch_um` is missing: it must be a number above 0, at most 10000 (µm)",
+    );
+    let metres = "`camera.focal_length_mm` / `camera.pixel_pitch_um` × 1000 is 0.6, but must be a number from 1 to 1000000 \
+                  (focal length in pixels)";
+    refuse_setup("fx = 600", "focal_length_mm = 0.0018\npixel_pitch_um = 3", metres);
+}
+
+#[test]
+fn readout_once() {
+    refuse_setup(
+        "readout_s = 0.0333",
+        "",
+        "the readout time is missing: give `camera.readout_s` or `camera.line_time_us`",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nline_time_us = 69",
+        "`camera.readout_s` and `camera.line_time_us` say the same: give one",
+    );
+    refuse_setup(
+        "0.0333",
+        "0",
+        "`camera.readout_s` is 0, but must be a number above 0, at most 60 (seconds for the whole frame; a global shutter \
+         has no effect to measure)",
+    );
+    refuse_setup(
+        "readout_s = 0.0333",
+        "line_time_us = 1e6",
+        "`camera.line_time_us` is 1000000.0, but must be above zero (a global shutter has no effect to measure), and a frame \
+         below one minute",
+    );
+}
+
+#[test]
+fn vectors_of_a_setup() {
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\ndistortion = [0.1, 0.2]",
+        "`camera.distortion` is [0.1, 0.2], but must be 5 numbers: k1, k2, p1, p2, k3 (OpenCV's order)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\ndistortion = [0, 0, nan, 0, 0]",
+        "`camera.distortion[2]` is nan, but must be a number from -1000 to 1000 (coefficient of distortion)",
+    );
+    let outcome = Folder::of(&SETUP.replace("fx = 600", "fx = 600\ndistortion = [-2, 0, 0, 0, 0]"), EDGES).edges();
+    assert!(
+        outcome.stderr.starts_with("error: setup.toml: `camera.distortion` folds over at radius "),
+        "{}",
+        outcome.stderr
+    );
+    refuse_setup(
+        "velocity_m_s = [-1.5, 0, 0]",
+        "velocity_m_s = -1.5",
+        "`motion.velocity_m_s` is -1.5, but must be 3 numbers: x right, y down, z forward (m/s)",
+    );
+    refuse_setup(
+        "[motion]\nvelocity_m_s = [-1.5, 0, 0]\n",
+        "",
+        "`motion.velocity_m_s` is missing: it must be 3 numbers: x right, y down, z forward (m/s)",
+    );
+    refuse_setup(
+        "[motion]",
+        "[motion]\nrate_rad_s = [0, inf, 0]",
+        "`motion.rate_rad_s[1]` is inf, but must be a number from -1000 to 1000 (rad/s)",
+    );
+    refuse_setup(
+        "[attitude]",
+        "[attitude]\ngravity = [0, 0, 0]",
+        "`attitude.gravity` is 0, but must be a direction: at least 0.001 long",
+    );
+}
+
+#[test]
+fn toml_that_is_none() {
+    let outcome = Folder::of(&SETUP.replace("rows = 480", "rows == 480"), EDGES).edges();
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.stderr.starts_with("error: setup.toml: line 3: "), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+    assert_fails(&Folder::of("camera = 3\n", EDGES), "setup.toml: `camera` is 3, but must be a section: [camera]");
+}
+
+#[test]
+fn headers_of_edges() {
+    refuse_edges("", "the file is empty: it must begin with a header such as `row,column`");
+    refuse_edges(
+        "1,2\n",
+        "line 1: the header begins with `1`: the first line must name the columns, such as `row,column`",
+    );
+    refuse_edges("row,colum\n", "line 1: unknown column `colum`; the nearest is `column`");
+    refuse_edges("row,column,time\n", "line 1: unknown column `time`; the nearest is `time_s`");
+    refuse_edges("\nrow,sigma_px\n", "line 2: column `column` is missing: the header must name `row` and `column`");
+    refuse_edges("row,column,row\n", "line 1: column `row` appears twice: each must appear once");
+    refuse_edges("row;column\n", "line 1: the header is `row;column`: columns must be separated by commas");
+}
+
+#[test]
+fn values_of_edges() {
+    refuse_edges(
+        "row,column\n480,2\n",
+        "line 2: `row` is `480`, but must be a whole number from 0 to 479 (rows of the image)",
+    );
+    refuse_edges(
+        "row,column\n1.5,2\n",
+        "line 2: `row` is `1.5`, but must be a whole number from 0 to 479 (rows of the image)",
+    );
+    refuse_edges(
+        "row,column\n,2\n",
+        "line 2: `row` is empty, but must be a whole number from 0 to 479 (rows of the image)",
+    );
+    let columns = "but must be a number from -0.5 to 639.5 (columns of the image)";
+    refuse_edges("row,column\n\n1,2\n\n\n2,640\n", &format!("line 6: `column` is `640`, {columns}"));
+    refuse_edges("row,column\r\n\r\n1,nan\r\n", &format!("line 3: `column` is `nan`, {columns}"));
+    refuse_edges("row,column\n1,left\n", &format!("line 2: `column` is `left`, {columns}"));
+    refuse_edges("row,column\n1,2,3\n", "line 2: 3 values, but must be 2, one for each column of the header");
+    refuse_edges(
+        "row,column,time_s\n1,2,inf\n",
+        "line 2: `time_s` is `inf`, but must be a number from -3600 to 3600 (seconds since frame start)",
+    );
+    refuse_edges(
+        "row,column,sigma_px\n1,2,0\n",
+        "line 2: `sigma_px` is `0`, but must be a number above 0, at most 1000 (pixels, one standard deviation)",
+    );
+    refuse_edges("row,column,line\n1,2,a\n", "line 2: `line` is `a`, but must be a whole number");
+    refuse_edges("row,column,frame\n1,2,0.5\n", "line 2: `frame` is `0.5`, but must be a whole number");
+    refuse_edges("row,column,polarity\n1,2,up\n", "line 2: `polarity` is `up`, but must be rising, falling or empty");
+}
+
+#[test]
+fn edges_that_contradict_each_other() {
+    refuse_edges(
+        "row,column,line\n7,2,5\n1,2,5\n7,3,5\n",
+        "lines 2 and 4: `line` 5 has two edges on `row` 7, but must have one: number them as two lines",
+    );
+    refuse_edges("row,column\n7,2.5\n1,2\n7,2.5\n", "line 4: `row` 7, `column` 2.5 comes twice, but must come once");
+    let backwards = "`time_s` is 0.001, earlier than on row 1, which was read before row 2: check the stamps and \
+                     `camera.direction`";
+    refuse_edges("row,column,time_s\n1,2,0.002\n2,2,0.001\n", &format!("line 3: {backwards}"));
+    refuse_edges("row,column,time_s,line\n1,2,0.002,4\n2,2,0.001,4\n", &format!("line 3: {backwards}"));
+}

@@ -1,0 +1,108 @@
+//! A folder for input files and a way to run the tool in it.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// 640 × 480, to the left at 1.5 m/s, everything exact but the edges' 0.1 px.
+pub(crate) const SETUP: &str = "\
+[camera]
+columns = 640
+rows = 480
+fx = 600
+readout_s = 0.0333
+[motion]
+velocity_m_s = [-1.5, 0, 0]
+[attitude]
+sigma_tilt_deg = 0
+";
+
+/// Where [`SETUP`] sees an edge of this bearing and depth.
+pub(crate) fn column(bearing: f64, depth_m: f64, row: u32) -> f64 {
+    319.5 + 600.0 * (bearing + 1.5 / depth_m * f64::from(row) * 0.0333 / 480.0)
+}
+
+pub(crate) struct Folder(TempDir);
+
+pub(crate) struct Outcome {
+    pub(crate) code: i32,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
+}
+
+impl Folder {
+    pub(crate) fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    pub(crate) fn with(self, name: &str, content: impl AsRef<[u8]>) -> Self {
+        fs::write(self.0.path().join(name), content).expect("writing an input file");
+        self
+    }
+
+    /// A folder with `setup.toml` and `edges.csv`.
+    pub(crate) fn of(setup: &str, edges: &str) -> Self {
+        Self::new().with("setup.toml", setup).with("edges.csv", edges)
+    }
+
+    pub(crate) fn run(&self, arguments: &[&str]) -> Outcome {
+        self.run_with_input(arguments, "")
+    }
+
+    pub(crate) fn run_with_input(&self, arguments: &[&str], input: &str) -> Outcome {
+        let mut child = command(self.0.path(), arguments).spawn().expect("the tool starts");
+        // A tool that stops early closes its end.
+        let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
+        Outcome::new(child.wait_with_output().expect("the tool ends"))
+    }
+
+    pub(crate) fn edges(&self) -> Outcome {
+        self.run(&["edges", "edges.csv", "--setup", "setup.toml"])
+    }
+
+    /// The document of `edges --json`.
+    pub(crate) fn document(&self) -> Value {
+        self.run(&["edges", "edges.csv", "--setup", "setup.toml", "--json"]).json()
+    }
+
+    /// The ranges of its only frame.
+    pub(crate) fn ranges(&self) -> Vec<Value> {
+        let document = self.document();
+        let frames = document["frames"].as_array().expect("frames");
+        assert_eq!(frames.len(), 1, "{document}");
+        frames[0]["ranges"].as_array().expect("ranges").clone()
+    }
+}
+
+pub(crate) fn command(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_shutter-range"));
+    command.args(arguments).current_dir(folder);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+impl Outcome {
+    pub(crate) fn new(output: Output) -> Self {
+        let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+        let code = output.status.code().expect("no signal");
+        Self { code, stdout: text(output.stdout), stderr: text(output.stderr) }
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        assert_eq!((self.code, self.stderr.as_str()), (0, ""));
+        serde_json::from_str(&self.stdout).expect("one JSON document")
+    }
+}
+
+pub(crate) fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("{key} is no number: {value}"))
+}
+
+#[track_caller]
+pub(crate) fn assert_near(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{value} is not {expected} ± {tolerance}");
+}

@@ -1,0 +1,98 @@
+//! `Camera` and `Distortion`.
+
+use proptest::prelude::*;
+use shutter_range::{Camera, Distortion, Intrinsics, Scalar};
+
+/// Coefficients as calibrations give them: webcam, wide angle, action camera, telephoto with pincushion.
+const REAL_LENSES: [[f64; 5]; 5] = [
+    [-0.28, 0.09, 0.0008, -0.0005, -0.01],
+    [-0.41, 0.19, -0.0011, 0.0013, -0.05],
+    [-0.24, 0.06, 0.0, 0.0, -0.007],
+    [0.12, -0.25, 0.001, 0.002, 0.15],
+    [0.05, 0.02, -0.003, 0.001, 0.0],
+];
+
+fn camera<S: Scalar>(coefficients: [f64; 5]) -> Camera<S> {
+    let distortion = Distortion::from_opencv(coefficients.map(S::from_f64));
+    Camera::new(Intrinsics::centred(640, 480, S::from_f64(520.0)), distortion).expect("a real lens")
+}
+
+fn worst_round_trip_px<S: Scalar>(camera: &Camera<S>) -> f64 {
+    let mut worst = 0.0_f64;
+    for row in (0..480).step_by(13) {
+        for column in (0..640).step_by(17) {
+            let ray = camera.ray(S::from_i32(column), S::from_i32(row));
+            let (x, y) = camera.pixel(ray.u, ray.w);
+            let off = (x.to_f64() - f64::from(column)).abs().max((y.to_f64() - f64::from(row)).abs());
+            worst = worst.max(off);
+        }
+    }
+    worst
+}
+
+#[test]
+fn the_inverse_is_good_to_a_ten_thousandth_of_a_pixel() {
+    for lens in REAL_LENSES {
+        assert!(worst_round_trip_px(&camera::<f64>(lens)) < 1e-9);
+        assert!(worst_round_trip_px(&camera::<f32>(lens)) < 1e-4);
+    }
+}
+
+/// One point of OpenCV's model, worked out by hand: u = 0.5, w = −0.25, r² = 0.3125.
+#[test]
+fn the_order_is_that_of_opencv() {
+    let k = [0.1, 0.01, 0.002, -0.003, 0.05];
+    let camera = Camera::new(Intrinsics::centred(640, 480, 100.0), Distortion::from_opencv([0.0; 5])).expect("sound");
+    assert_eq!(camera.pixel(0.5, -0.25), (369.5, 214.5));
+    let camera = Camera::new(Intrinsics::centred(101, 101, 100.0), Distortion::from_opencv(k)).expect("sound");
+    let radial = 1.0 + 0.1 * 0.3125 + 0.01 * 0.3125 * 0.3125 + 0.05 * 0.3125 * 0.3125 * 0.3125;
+    let u = 0.5 * radial + 2.0 * 0.002 * 0.5 * -0.25 - 0.003 * (0.3125 + 2.0 * 0.25);
+    let w = -0.25 * radial + 0.002 * (0.3125 + 2.0 * 0.0625) + 2.0 * -0.003 * 0.5 * -0.25;
+    let (x, y) = camera.pixel(0.5, -0.25);
+    assert!((x - 50.0 - 100.0 * u).abs() < 1e-12 && (y - 50.0 - 100.0 * w).abs() < 1e-12);
+}
+
+#[test]
+fn the_ray_says_how_it_moves_along_the_row() {
+    for lens in REAL_LENSES {
+        let camera = camera::<f64>(lens);
+        let (here, next) = (camera.ray(100.0, 50.0), camera.ray(100.001, 50.0));
+        assert!(((next.u - here.u) / 0.001 / here.du_dcolumn - 1.0).abs() < 1e-4);
+        assert!(((next.w - here.w) / 0.001 - here.dw_dcolumn).abs() < 1e-7);
+    }
+}
+
+#[test]
+fn a_lens_that_folds_over_is_refused() {
+    // Radius 0.76 in the corner: 1 + 3 k1 r² is zero at the ideal radius 0.577, recorded at 0.385.
+    let fold = Distortion { k1: -1.0, ..Distortion::NONE };
+    let error = Camera::new(Intrinsics::centred(640, 480, 520.0), fold).expect_err("folds over");
+    assert!(error.parameter.starts_with("distortion"), "{error}");
+    assert!((0.2..0.5).contains(&error.value), "{error}");
+    // The same lens over a small sensor is fine.
+    assert!(Camera::new(Intrinsics::centred(64, 48, 520.0), fold).is_ok());
+    // Wrong order: k3 in the place of p1.
+    let shuffled = Distortion::from_opencv([-0.28, 0.09, 0.8, 0.5, 0.0]);
+    assert!(Camera::new(Intrinsics::centred(640, 480, 520.0), shuffled).is_err());
+}
+
+#[test]
+fn focal_length_in_millimetres() {
+    // 50 mm and 5.98 µm.
+    let intrinsics = Intrinsics::from_focal_length(6010, 4010, 50.0_f64, 5.98);
+    assert!((intrinsics.fx - 8361.204).abs() < 1e-3);
+    assert_eq!((intrinsics.cx, intrinsics.cy), (3004.5, 2004.5));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Far beyond real lenses: a camera that is accepted inverts its model all over the image.
+    #[test]
+    fn what_is_accepted_is_inverted(k1 in -0.6..0.6, k2 in -0.6..0.6, p1 in -0.02..0.02, p2 in -0.02..0.02, k3 in -0.3..0.3) {
+        let distortion = Distortion::from_opencv([k1, k2, p1, p2, k3]);
+        if let Ok(camera) = Camera::new(Intrinsics::centred(640, 480, 520.0), distortion) {
+            prop_assert!(worst_round_trip_px(&camera) < 1e-4);
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! All host tests, one harness: the library's own code against the paper, the reference edges and synthetic scenes.
+
+mod back_ends;
+mod bad_input;
+mod camera;
+mod endpoints;
+mod harness;
+mod knots;
+mod monte_carlo;
+mod projection;
+mod readout;
+mod reference_lines;
+mod scenes;
+mod statuses;
+mod symmetries;
+mod table2;
+mod tracking;
+mod uncertainty;

@@ -1,0 +1,136 @@
+//! The 36 exact edges of `data/lines.json`: six kinds of motion, three cameras.
+
+use shutter_range::{Estimate, Micro, Q32, Range, Scalar, fit};
+
+use crate::scenes::{ReferenceLine, TENTH_DEGREE, line_of, range_of, reference_lines, tilt_of};
+
+fn estimate<S: Scalar>(line: &ReferenceLine, sigma_tilt: f64) -> Estimate<S> {
+    let scene = line.scene();
+    let setup = scene.setup_with(tilt_of(sigma_tilt));
+    fit::<S, _, 64>(&setup, &scene.motion(), line.samples()).expect("a sound line")
+}
+
+fn relative_error<S: Scalar>(line: &ReferenceLine, sigma_tilt: f64) -> f64 {
+    estimate::<S>(line, sigma_tilt).inverse_depth_per_m.to_f64() * line.truth.depth_m - 1.0
+}
+
+fn worst<S: Scalar>(sigma_tilt: f64) -> f64 {
+    let worst = reference_lines().iter().map(|line| relative_error::<S>(line, sigma_tilt).abs()).fold(0.0, f64::max);
+    println!("{}, tilt {sigma_tilt}: worst relative error {worst:.1e}", std::any::type_name::<S>());
+    worst
+}
+
+#[test]
+fn there_are_36_of_six_kinds() {
+    let lines = reference_lines();
+    assert_eq!(lines.len(), 36);
+    for kind in ["parallel", "forward", "oblique", "yaw", "attitude", "everything"] {
+        assert_eq!(lines.iter().filter(|line| line.kind == kind).count(), 6, "{kind}");
+    }
+}
+
+#[test]
+fn double_precision_recovers_every_depth() {
+    for sigma_tilt in [0.0, TENTH_DEGREE, 1.0] {
+        assert!(worst::<f64>(sigma_tilt) < 1e-9);
+    }
+}
+
+#[test]
+fn double_precision_recovers_bearing_and_distance() {
+    for line in reference_lines() {
+        let found = estimate::<f64>(&line, 0.0);
+        assert!((found.bearing - line.truth.bearing).abs() < 1e-9, "{}", line.kind);
+        let (distance_m, _) = found.distance(2.0).estimate_m.expect("a near edge");
+        // The file's distance is that of a level camera.
+        if ["parallel", "forward", "oblique", "yaw"].contains(&line.kind.as_str()) {
+            assert!((distance_m / line.truth.distance_m - 1.0).abs() < 1e-9, "{}", line.kind);
+        }
+    }
+}
+
+#[test]
+fn single_precision_recovers_every_depth() {
+    assert!(worst::<f32>(0.0) < 3e-5);
+    assert!(worst::<f32>(TENTH_DEGREE) < 1e-4);
+}
+
+/// With no prior on the tilt at all, the rounding of the *columns* to single precision alone is worth up to 1.2e-3 of
+/// depth in scenes where one tenth of a pixel is worth forty times the depth. What the solver adds must drown in sigma.
+#[test]
+fn single_precision_with_free_tilt_errs_by_less_than_a_thousandth_of_sigma() {
+    for line in reference_lines() {
+        let (single, double) = (estimate::<f32>(&line, 1.0), estimate::<f64>(&line, 1.0));
+        let error = (f64::from(single.inverse_depth_per_m) - double.inverse_depth_per_m).abs();
+        assert!(error < 1e-3 * double.sigma_inverse_depth_per_m, "{}: {error}", line.kind);
+        assert!(error * line.truth.depth_m < 1.5e-3, "{}: {error}", line.kind);
+    }
+}
+
+#[test]
+fn sigma_is_the_same_in_single_and_double_precision() {
+    for (sigma_tilt, bound) in [(0.0, 1e-4), (TENTH_DEGREE, 1e-4), (1.0, 2e-3)] {
+        for line in reference_lines() {
+            let (single, double) = (estimate::<f32>(&line, sigma_tilt), estimate::<f64>(&line, sigma_tilt));
+            let ratio = f64::from(single.sigma_inverse_depth_per_m) / double.sigma_inverse_depth_per_m;
+            assert!((ratio - 1.0).abs() < bound, "{}, tilt {sigma_tilt}: {ratio}", line.kind);
+        }
+    }
+}
+
+#[test]
+fn the_other_back_ends_recover_every_depth() {
+    assert!(worst::<Micro>(0.0) < 3e-5);
+    assert!(worst::<Micro>(TENTH_DEGREE) < 1e-4);
+    assert!(worst::<Q32>(0.0) < 3e-5);
+    assert!(worst::<Q32>(TENTH_DEGREE) < 1e-4);
+}
+
+/// 48 sparse rows through edges of 1/65536 px and 16 knots.
+#[test]
+fn sparse_rows_through_knots() {
+    for line in reference_lines() {
+        let scene = line.scene();
+        let range = Range::of_line(&scene.setup::<f64>(), &scene.motion(), &line_of::<16>(&line.edges()));
+        let error = range.estimate.inverse_depth_per_m * line.truth.depth_m - 1.0;
+        assert!(error.abs() < 1e-3, "{}: {error}", line.kind);
+    }
+}
+
+/// The same scenes with an edge on every row between the first and the last: what knots cost.
+#[test]
+fn full_rows_through_knots() {
+    for (sigma_tilt, bound) in [(0.0, 1e-5), (TENTH_DEGREE, 3e-5), (10.0 * TENTH_DEGREE, 2e-4)] {
+        for line in reference_lines() {
+            let range = full_row_range(&line, sigma_tilt);
+            let error = range.estimate.inverse_depth_per_m * line.truth.depth_m - 1.0;
+            assert!(error.abs() < bound, "{}, tilt {sigma_tilt}: {error}", line.kind);
+        }
+    }
+}
+
+/// Without any prior on tilt it is the edges' 1/65536 px that counts, in scenes where sigma is many times the depth.
+#[test]
+fn full_rows_with_free_tilt_err_hardly_against_sigma() {
+    for line in reference_lines() {
+        let estimate = full_row_range(&line, 1.0).estimate;
+        let error = (estimate.inverse_depth_per_m - 1.0 / line.truth.depth_m).abs();
+        assert!(error < 2e-4 * estimate.sigma_inverse_depth_per_m, "{}: {error}", line.kind);
+    }
+}
+
+fn full_row_range(line: &ReferenceLine, sigma_tilt: f64) -> Range<f64> {
+    let scene = line.scene();
+    let rows = line.rows[0]..=line.rows[line.rows.len() - 1];
+    let edges: Vec<_> = rows.map(|row| scene.edge_at(row, scene.column(row))).collect();
+    range_of(&scene, tilt_of(sigma_tilt), &edges)
+}
+
+#[test]
+fn the_test_projection_agrees_with_the_reference() {
+    for line in reference_lines() {
+        for (&row, &column) in line.rows.iter().zip(&line.columns) {
+            assert!((line.scene().column(row) - column).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! Every status of a range, reached the way a user would.
+
+use shutter_range::{Edge, Line, Range, RangeStatus, Uncertainty};
+
+use crate::projection::Scene;
+use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
+
+fn range(scene: &Scene) -> Range<f32> {
+    range_of(scene, tilt_of(TENTH_DEGREE), &scene.edges())
+}
+
+#[test]
+fn ok() {
+    let range = range(&Scene::vga());
+    assert_eq!(range.status, RangeStatus::Ok);
+    let depth = range.depth(2.0);
+    let (estimate, sigma) = depth.estimate_m.expect("ok");
+    let (nearest, farthest) = (depth.nearest_m.expect("positive"), depth.farthest_m.expect("bounded"));
+    assert!(nearest < estimate && estimate < farthest);
+    assert!((nearest..farthest).contains(&2.0));
+    assert!(((farthest - nearest) / (4.0 * sigma) - 1.0).abs() < 0.05);
+    let (distance, _) = range.distance(2.0).estimate_m.expect("ok");
+    assert!((f64::from(distance) / (2.0 * f64::hypot(1.0, 0.05)) - 1.0).abs() < 1e-3);
+}
+
+/// Farther than the motion can tell: the nearest possible depth is the news.
+#[test]
+fn far() {
+    let range = range(&Scene { depth_m: 400.0, ..Scene::vga() });
+    assert_eq!(range.status, RangeStatus::Far);
+    let depth = range.depth(2.0);
+    assert_eq!((depth.estimate_m, depth.farthest_m), (None, None));
+    assert!((10.0..400.0).contains(&depth.nearest_m.expect("a bound")));
+}
+
+#[test]
+fn slow() {
+    let crawling = range(&Scene { velocity_m_s: [-0.005, 0.0, 0.0], ..Scene::vga() });
+    assert_eq!(crawling.status, RangeStatus::Slow);
+    let still = range(&Scene { velocity_m_s: [0.0; 3], ..Scene::vga() });
+    assert_eq!(still.status, RangeStatus::Slow);
+    assert_eq!(still.estimate.inverse_depth_per_m, 0.0);
+    assert_eq!(still.estimate.sigma_inverse_depth_per_m, 1e6);
+    assert!(still.depth(2.0).estimate_m.is_none());
+}
+
+/// A pure rotation shears the image without saying anything about depth.
+#[test]
+fn pure_rotation_gives_no_distance() {
+    let scene = Scene { velocity_m_s: [0.0; 3], rate_rad_s: [0.05, 0.4, -0.1], ..Scene::vga() };
+    assert_eq!(range(&scene).status, RangeStatus::Slow);
+}
+
+/// The wrong sign of slope: it leans or moves.
+#[test]
+fn inconsistent() {
+    let scene = Scene::vga();
+    let against = Scene { velocity_m_s: [1.5, 0.0, 0.0], ..scene.clone() };
+    let range = range_of::<f32>(&against, tilt_of(TENTH_DEGREE), &scene.edges());
+    assert_eq!(range.status, RangeStatus::Inconsistent);
+    assert!(range.depth(2.0).estimate_m.is_none());
+}
+
+#[test]
+fn bent() {
+    let scene = Scene::vga();
+    let arc: Vec<_> = scene
+        .edges()
+        .into_iter()
+        .map(|edge| {
+            let off = (f64::from(edge.row) - 240.0) / 240.0;
+            Edge { column_q16: edge.column_q16 + q16(1.5 * off * off), ..edge }
+        })
+        .collect();
+    let range = range_of::<f32>(&scene, Uncertainty::default(), &arc);
+    assert_eq!(range.status, RangeStatus::Bent);
+    assert!(range.depth(2.0).estimate_m.is_none());
+    // Two halves of different edges are no straight edge either.
+    let broken: Vec<_> = scene
+        .edges()
+        .into_iter()
+        .map(|edge| Edge { column_q16: edge.column_q16 + if edge.row > 240 { q16(4.0) } else { 0 }, ..edge })
+        .collect();
+    assert_eq!(range_of::<f32>(&scene, Uncertainty::default(), &broken).status, RangeStatus::Bent);
+}
+
+#[test]
+fn short() {
+    let scene = Scene::vga();
+    for count in 1..8 {
+        let range = range_of::<f64>(&scene, Uncertainty::NONE, &scene.edges()[..count]);
+        assert_eq!(range.status, RangeStatus::Short, "{count} edges");
+        assert_eq!(usize::from(range.edges), count);
+    }
+    assert_ne!(range_of::<f64>(&scene, Uncertainty::NONE, &scene.edges()[..8]).status, RangeStatus::Short);
+}
+
+/// A camera on its side sees upright edges along its rows.
+#[test]
+fn sideways() {
+    let line: Line<16> = line_of(&Scene::vga().edges());
+    for gravity in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.05, 0.0]] {
+        let scene = Scene { gravity, ..Scene::vga() };
+        let range = Range::of_line(&scene.setup::<f32>(), &scene.motion(), &line);
+        assert_eq!(range.status, RangeStatus::Sideways, "{gravity:?}");
+        assert_eq!(range.estimate.sigma_inverse_depth_per_m, 1e6);
+        assert!(range.column_at_first_row.is_finite());
+    }
+}
+
+#[test]
+fn the_first_row_is_the_topmost_and_its_column_is_fitted() {
+    let scene = Scene { velocity_m_s: [-1.2, 0.0, 0.5], rate_rad_s: [0.1, 0.3, -0.2], ..Scene::vga() };
+    let range = range_of::<f64>(&scene, Uncertainty::NONE, &scene.edges());
+    assert_eq!((range.first_row, range.last_row), (0, 479));
+    assert!((range.column_at_first_row - scene.column(0)).abs() < 1e-3);
+}

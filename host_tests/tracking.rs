@@ -1,0 +1,222 @@
+//! `Tracker` and `Ranger`: which edges become which line.
+
+use rand::{Rng, SeedableRng, rngs::StdRng};
+use shutter_range::{Edge, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, Uncertainty};
+
+use crate::projection::Scene;
+use crate::scenes::{TENTH_DEGREE, q16, tilt_of};
+
+/// Streams rows of edges (from the top) through a ranger and returns its ranges from left to right.
+fn ranges(scene: &Scene, rows: &[Vec<Edge>]) -> Vec<Range<f64>> {
+    let setup = scene.setup_with::<f64>(tilt_of(TENTH_DEGREE));
+    let mut ranger: Ranger<32, 16, 64> = Ranger::new();
+    let mut found = Vec::new();
+    for (row, edges) in rows.iter().enumerate() {
+        for edge in edges {
+            ranger.edge(&setup, *edge).expect("a sound edge");
+        }
+        ranger.end_row(&setup, row as u16).expect("rows in order");
+        found.extend(std::iter::from_fn(|| ranger.next_range(&setup, &scene.motion())));
+    }
+    ranger.end_frame(&setup);
+    found.extend(std::iter::from_fn(|| ranger.next_range(&setup, &scene.motion())));
+    found.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
+    found
+}
+
+/// Several edges in one frame: a bearing, a depth and a polarity each.
+fn rows_of(scene: &Scene, posts: &[(f64, f64, Polarity)]) -> Vec<Vec<Edge>> {
+    let edge = |row, &(bearing, depth_m, polarity): &(f64, f64, Polarity)| {
+        let column = Scene { bearing, depth_m, ..scene.clone() }.column(row);
+        (0.0..639.0).contains(&column).then(|| scene.edge_at(row, column).with_polarity(polarity))
+    };
+    (0..scene.rows).map(|row| posts.iter().filter_map(|post| edge(row, post)).collect()).collect()
+}
+
+fn assert_depths(found: &[Range<f64>], depths_m: &[f64]) {
+    assert_eq!(found.len(), depths_m.len(), "{found:#?}");
+    for (range, depth_m) in found.iter().zip(depths_m) {
+        assert_eq!(range.status, RangeStatus::Ok);
+        let off = range.estimate.inverse_depth_per_m * depth_m - 1.0;
+        assert!(off.abs() < 1e-3, "{depth_m} m: {off}");
+    }
+}
+
+use Polarity::{Falling, Rising};
+
+#[test]
+fn several_lines_in_one_frame() {
+    let posts =
+        [(-0.3, 2.0, Rising), (-0.25, 2.0, Falling), (0.0, 5.0, Rising), (0.1, 1.0, Rising), (0.3, 3.0, Falling)];
+    let scene = Scene::vga();
+    assert_depths(&ranges(&scene, &rows_of(&scene, &posts)), &[2.0, 2.0, 5.0, 1.0, 3.0]);
+}
+
+/// Two edges of a thin rod, three pixels apart, and a third of the same polarity close by.
+#[test]
+fn close_neighbours() {
+    let posts = [(0.0, 2.0, Rising), (3.0 / 600.0, 2.0, Falling), (8.0 / 600.0, 2.0, Rising)];
+    let scene = Scene::vga();
+    assert_depths(&ranges(&scene, &rows_of(&scene, &posts)), &[2.0, 2.0, 2.0]);
+}
+
+/// A near post overtakes a far one: the lines cross and keep their identity by slope, not by order.
+#[test]
+fn crossing_lines() {
+    let scene = Scene::vga();
+    let posts = [(0.0, 1.0, Rising), (0.02, 8.0, Rising)];
+    let mut rows = rows_of(&scene, &posts);
+    // Where they cross, the nearer hides the farther.
+    for edges in &mut rows {
+        if let [near, far] = edges[..] {
+            if (near.column_q16 - far.column_q16).abs() < q16(0.3) {
+                edges.pop();
+            }
+        }
+    }
+    let found = ranges(&scene, &rows);
+    let mut depths: Vec<_> = found.iter().filter(|range| range.edges > 300).collect();
+    depths.sort_by(|a, b| b.estimate.inverse_depth_per_m.total_cmp(&a.estimate.inverse_depth_per_m));
+    assert_eq!(depths.len(), 2, "{found:#?}");
+    assert!((depths[0].estimate.inverse_depth_per_m - 1.0).abs() < 1e-3);
+    assert!((depths[1].estimate.inverse_depth_per_m * 8.0 - 1.0).abs() < 1e-2);
+}
+
+#[test]
+fn gaps_of_a_few_rows() {
+    let scene = Scene::vga();
+    let mut rows = rows_of(&scene, &[(0.05, 2.0, Rising)]);
+    rows[100..112].iter_mut().for_each(Vec::clear);
+    rows[300..305].iter_mut().for_each(Vec::clear);
+    assert_depths(&ranges(&scene, &rows), &[2.0]);
+    // A long gap ends the line, and another begins.
+    rows[150..200].iter_mut().for_each(Vec::clear);
+    assert_depths(&ranges(&scene, &rows), &[2.0, 2.0]);
+}
+
+/// One row in ten, and only those are streamed.
+#[test]
+fn sparse_rows() {
+    let scene = Scene::vga();
+    let setup = scene.setup::<f64>();
+    for step in [2, 10, 23] {
+        let mut ranger: Ranger<8, 16, 8> = Ranger::new();
+        for edges in rows_of(&scene, &[(-0.2, 3.0, Rising), (0.05, 1.0, Rising)]).iter().step_by(step) {
+            for edge in edges {
+                ranger.edge(&setup, *edge).expect("a sound edge");
+            }
+        }
+        ranger.end_frame(&setup);
+        let mut found: Vec<_> =
+            std::iter::from_fn(|| ranger.next_range(&setup, &scene.motion())).collect::<Vec<Range<f64>>>();
+        found.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
+        assert_depths(&found, &[3.0, 1.0]);
+    }
+}
+
+/// False edges everywhere: true lines are found, stray edges are counted and make few lines.
+#[test]
+fn noise_between() {
+    let scene = Scene::vga();
+    let mut random = StdRng::seed_from_u64(7);
+    let mut rows = rows_of(&scene, &[(-0.1, 2.0, Rising), (0.15, 1.5, Falling)]);
+    for (row, edges) in rows.iter_mut().enumerate() {
+        for _ in 0..2 {
+            let polarity = if random.random() { Rising } else { Falling };
+            edges.push(scene.edge_at(row as u16, random.random_range(0.0..639.0)).with_polarity(polarity));
+        }
+    }
+    let found = ranges(&scene, &rows);
+    let long: Vec<_> = found.iter().filter(|range| range.edges > 400).collect();
+    assert_eq!(long.len(), 2, "{found:#?}");
+    for (range, depth_m) in long.iter().zip([2.0, 1.5]) {
+        let off = (range.estimate.inverse_depth_per_m - 1.0 / depth_m).abs();
+        assert!(off < 3.0 * range.estimate.sigma_inverse_depth_per_m, "{range:?}");
+    }
+}
+
+#[test]
+fn a_full_table_refuses_the_newcomer_and_keeps_its_lines() {
+    let scene = Scene::vga();
+    let setup = scene.setup::<f64>();
+    let posts: Vec<_> = (0..6).map(|k| (f64::from(k) * 0.08 - 0.3, 3.0, Rising)).collect();
+    let mut ranger: Ranger<4, 16, 16> = Ranger::new();
+    for edges in rows_of(&scene, &posts) {
+        // From row 100 on, two more lines than there is room for.
+        let known = if edges[0].row < 100 { 4 } else { 6 };
+        for edge in edges.iter().take(known) {
+            ranger.edge(&setup, *edge).expect("a sound edge");
+        }
+    }
+    ranger.end_frame(&setup);
+    let found = ranger.ranges(&setup, &scene.motion::<f64>());
+    assert_depths(&found, &[3.0; 4]);
+    assert!(found.iter().all(|range| range.edges == 480));
+    assert_eq!(ranger.counters().dropped_lines, 2 * 380);
+    assert_eq!(ranger.counters().dropped_edges, 0);
+}
+
+#[test]
+fn a_full_row_refuses_the_newcomer() {
+    let scene = Scene::vga();
+    let setup = scene.setup::<f64>();
+    let mut ranger: Ranger<8, 8, 3> = Ranger::new();
+    for column in [10, 20, 30, 40, 50] {
+        ranger.edge(&setup, Edge::new(0, column << 16, 0)).expect("a sound edge");
+    }
+    assert_eq!(ranger.counters().dropped_edges, 2);
+}
+
+/// Each row's edges may come in any order.
+#[test]
+fn order_within_a_row_is_free() {
+    let scene = Scene::vga();
+    let rows = rows_of(&scene, &[(-0.3, 2.0, Rising), (0.0, 5.0, Rising), (0.1, 1.0, Rising)]);
+    let mut shuffled = rows.clone();
+    shuffled.iter_mut().for_each(|edges| edges.reverse());
+    assert_eq!(ranges(&scene, &rows), ranges(&scene, &shuffled));
+}
+
+/// Lines that nobody takes stay in the table, also over frames.
+#[test]
+fn ended_lines_wait() {
+    let scene = Scene::vga();
+    let setup = scene.setup::<f64>();
+    let mut ranger: Ranger<4, 16, 16> = Ranger::new();
+    for _frame in 0..2 {
+        for edges in rows_of(&scene, &[(-0.2, 2.0, Rising), (0.1, 1.0, Rising)]) {
+            for edge in edges {
+                ranger.edge(&setup, edge).expect("a sound edge");
+            }
+        }
+        ranger.end_frame(&setup);
+    }
+    assert_eq!(ranger.ranges(&setup, &scene.motion::<f64>()).len(), 4);
+    assert_eq!(ranger.counters(), &shutter_range::Counters::default());
+}
+
+#[test]
+fn from_below() {
+    let scene = Scene::vga();
+    let setup = scene.setup_read::<f64>(Uncertainty::NONE, ReadoutDirection::BottomToTop);
+    let mut ranger: Ranger<4, 16, 4> = Ranger::new();
+    for before in 0..scene.rows {
+        let row = scene.rows - 1 - before;
+        let column = scene.column_at(f64::from(row), scene.time_s(before));
+        let time_ns = setup.readout().row_time_ns(row);
+        ranger.edge(&setup, Edge::new(row, q16(column), time_ns)).expect("a sound edge");
+    }
+    ranger.end_frame(&setup);
+    let found = ranger.ranges(&setup, &scene.motion::<f64>());
+    assert_depths(&found, &[2.0]);
+    assert_eq!((found[0].first_row, found[0].last_row), (0, 479));
+    let top = scene.column_at(0.0, scene.time_s(479));
+    assert!((found[0].column_at_first_row - top).abs() < 1e-3);
+}
+
+/// A static ranger costs nothing at start and is as good as any.
+#[test]
+fn can_be_a_static() {
+    static RANGER: std::sync::Mutex<Ranger<4, 8, 4>> = std::sync::Mutex::new(Ranger::new());
+    assert!(RANGER.lock().expect("not poisoned").counters().dropped_edges == 0);
+}

@@ -1,0 +1,106 @@
+//! Errors: for misuse only. What a scene cannot tell is a [`RangeStatus`](crate::RangeStatus), not an error.
+
+use core::error::Error;
+use core::fmt::{self, Display, Formatter};
+
+/// A parameter that cannot be right: its name, its value and what would be right.
+///
+/// ```
+/// let error = shutter_range::Readout::from_line_time_ps(480, 0, Default::default()).unwrap_err();
+/// assert_eq!(error.parameter, "line_time_ps");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub struct ParameterError {
+    /// The name of the parameter, with its unit where it has one.
+    pub parameter: &'static str,
+    /// The value that was refused.
+    pub value: f64,
+    /// What the parameter must be.
+    pub expected: &'static str,
+}
+
+impl ParameterError {
+    pub(crate) const fn new(parameter: &'static str, value: f64, expected: &'static str) -> Self {
+        Self { parameter, value, expected }
+    }
+}
+
+impl Display for ParameterError {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} is {}, but must be {}", self.parameter, self.value, self.expected)
+    }
+}
+
+impl Error for ParameterError {}
+
+/// Why an edge was not taken. The edge is left out and nothing else changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum EdgeError {
+    /// The edge's column or row is not in the image.
+    OutsideImage {
+        /// Row of the edge.
+        row: u16,
+        /// Column of the edge in 1/65536 px.
+        column_q16: i32,
+    },
+    /// The row was read before one that has come already, or its edges are complete.
+    RowOrder {
+        /// Row of the edge.
+        row: u16,
+        /// The row that came last.
+        previous: u16,
+    },
+    /// The time stamp is earlier than that of a row read before.
+    TimeOrder {
+        /// Time of the edge in nanoseconds since frame start.
+        time_ns: i64,
+        /// The time that came last.
+        previous_ns: i64,
+    },
+    /// The same row and column came twice.
+    Duplicate {
+        /// Row of the edge.
+        row: u16,
+        /// Column of the edge in 1/65536 px.
+        column_q16: i32,
+    },
+    /// The noise of the edge is stated as zero, which no sensor reaches and no weight can express.
+    ZeroSigma {
+        /// Row of the edge.
+        row: u16,
+    },
+    /// The time stamp is more than an hour away from frame start.
+    TimeRange {
+        /// Time of the edge in nanoseconds since frame start.
+        time_ns: i64,
+    },
+}
+
+impl Display for EdgeError {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::OutsideImage { row, column_q16 } => {
+                write!(formatter, "edge at row {row}, column {}: outside the image", f64::from(column_q16) / 65536.0)
+            }
+            Self::RowOrder { row, previous } => {
+                write!(formatter, "row {row} came after row {previous}: rows must come once, in the order of readout")
+            }
+            Self::TimeOrder { time_ns, previous_ns } => {
+                write!(formatter, "time {time_ns} ns came after {previous_ns} ns: times must not run backwards")
+            }
+            Self::Duplicate { row, column_q16 } => {
+                write!(formatter, "edge at row {row}, column {} came twice", f64::from(column_q16) / 65536.0)
+            }
+            Self::ZeroSigma { row } => write!(formatter, "edge at row {row}: sigma must be above zero"),
+            Self::TimeRange { time_ns } => {
+                write!(formatter, "time {time_ns} ns: must be within an hour of frame start")
+            }
+        }
+    }
+}
+
+impl Error for EdgeError {}

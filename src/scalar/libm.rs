@@ -1,0 +1,64 @@
+//! `f32` and `f64` on `libm`: the same bits on every machine.
+
+use super::{Scalar, sealed};
+
+/// The two types differ in nothing but their names; a back end's functions are called by full path, because the
+/// inherent methods that std adds on a desktop would win silently and give other bits.
+macro_rules! scalar_on_libm {
+    ($float:ident, $sqrt:ident, $sin:ident, $cos:ident, $tan:ident, $atan:ident) => {
+        impl sealed::Sealed for $float {}
+
+        impl Scalar for $float {
+            const ZERO: Self = 0.0;
+            const ONE: Self = 1.0;
+            const EPSILON: Self = $float::EPSILON;
+            const UNKNOWN: Self = 1e6;
+
+            fn from_i32(value: i32) -> Self {
+                value as Self
+            }
+
+            fn from_ratio(numerator: i64, denominator: i64) -> Self {
+                if denominator == 0 {
+                    return 0.0;
+                }
+                numerator as Self / denominator as Self
+            }
+
+            fn from_f64(value: f64) -> Self {
+                value as Self
+            }
+
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+
+            fn is_finite(self) -> bool {
+                $float::is_finite(self)
+            }
+
+            fn sqrt(self) -> Self {
+                if self > 0.0 { ::libm::$sqrt(self) } else { 0.0 }
+            }
+
+            fn sin(self) -> Self {
+                ::libm::$sin(self)
+            }
+
+            fn cos(self) -> Self {
+                ::libm::$cos(self)
+            }
+
+            fn tan(self) -> Self {
+                ::libm::$tan(self)
+            }
+
+            fn atan(self) -> Self {
+                ::libm::$atan(self)
+            }
+        }
+    };
+}
+
+scalar_on_libm!(f32, sqrtf, sinf, cosf, tanf, atanf);
+scalar_on_libm!(f64, sqrt, sin, cos, tan, atan);
