@@ -180,9 +180,9 @@ impl<S: Scalar> Camera<S> {
                 if !(radius > reached) {
                     let r2 = recorded[0] * recorded[0] + recorded[1] * recorded[1];
                     return Err(ParameterError::new(
-                        "distortion (at normalised radius)",
+                        "distortion",
                         r2.sqrt().to_f64(),
-                        "a lens that does not fold over inside the image: check the coefficients and their order",
+                        "a model that does not fold over inside the image (the value is the radius, in focal lengths, where it does)",
                     ));
                 }
                 reached = radius;

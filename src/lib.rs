@@ -1,8 +1,94 @@
+//! Distance from the rolling-shutter effect: a moving camera with a rolling shutter as a range finder.
+//!
+//! A rolling shutter reads one row after the other, so an upright edge leans in the image of a moving camera, the more
+//! the nearer it is. Rows of edge points go in as a sensor delivers them; for every upright edge a bearing, an inverse
+//! depth and an honest sigma come out, from a single frame, in bounded time and memory, without a heap.
+//!
+//! ```text
+//! edges ─Tracker─▶ lines ─fit─▶ Range { status, bearing, inverse depth, tilt, covariance }
+//!   ▲                ▲            ▲
+//! your edge        Camera,      Motion
+//! detector         Readout
+//! ```
+//!
+//! Most people use [`Ranger`], which is the whole way and has no mathematics of its own. Every arrow is a type or function
+//! that can be entered at: with a [`Line`] of your own, with [`Sample`]s ([`fit()`]), with measured angles
+//! ([`rse::Shear`]) or with two endpoints ([`rse::range_of_endpoints`]).
+//!
+//! ```
+//! use shutter_range::{
+//!     Camera, Distortion, Edge, Intrinsics, Limits, Ranger, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
+//! };
+//! // What stays the same is checked once.
+//! let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
+//! let readout = Readout::from_line_time_ps(480, 65_333_333, ReadoutDirection::TopToBottom)?;
+//! let setup = Setup::new(camera, readout, Uncertainty::default(), Limits::default())?;
+//! // 16 lines of 12 knots, 32 edges a row: 11 KiB.
+//! let mut ranger: Ranger<16, 12, 32> = Ranger::new();
+//!
+//! // What changes comes with each frame: 2 m/s to the left, level.
+//! let motion = Twist::level([-2.0, 0.0, 0.0])?;
+//! for row in 0..480 {
+//!     // Your edge detector: here a post 3 m away.
+//!     let time_ns = readout.row_time_ns(row);
+//!     let column_px = 250.0 + 600.0 * 2.0 / 3.0 * time_ns as f64 * 1e-9;
+//!     ranger.edge(&setup, Edge::new(row, (column_px * 65536.0) as i32, time_ns))?;
+//! }
+//! ranger.end_frame(&setup);
+//! while let Some(range) = ranger.next_range(&setup, &motion) {
+//!     let depth = range.depth(2.0);
+//!     assert!((depth.estimate_m.unwrap().0 - 3.0).abs() < 0.01);
+//!     assert!(depth.nearest_m.unwrap() < 3.0 && depth.farthest_m.unwrap() > 3.0);
+//! }
+//! # Ok::<(), Box<dyn core::error::Error>>(())
+//! ```
+//!
+//! # Conventions
+//!
+//! | thing | convention |
+//! | --- | --- |
+//! | camera axes | x right, y down, z forward |
+//! | image | column and row in pixels, pixel centres at whole numbers, origin top left |
+//! | time | the middle of a row's exposure; zero, *frame start*, is that of the row read first |
+//! | line time | from the start of one row to the start of the next, per row of the image: not the exposure |
+//! | motion | position in metres and attitude of the camera, in the axes of the frame-start camera |
+//! | gravity | unit vector "down" in those axes |
+//! | depth | Z of the point where the edge's line crosses the camera's plane y = 0 (the paper's "vertical distance") |
+//! | distance | shortest distance to that line |
+//! | sigma | one standard deviation |
+//!
+//! # What a distance is worth
+//!
+//! An edge that leans by β in the image looks like a nearer or farther one: one tenth of a degree is worth 5 % at 15 m
+//! in the paper's set-up, sixty times the pixel noise. A single frame cannot tell the two apart by position, so the tilt
+//! is a third unknown with a prior ([`Uncertainty::sigma_tilt`], 0.1° unless you know better), and sigma says what that
+//! means. An object that moves at constant velocity looks like a static one at another distance.
+//!
+//! A result is never a bare number: see [`RangeStatus`]. An edge too far, too slow or too short is a status with numbers
+//! ("farther than 12 m"), not an error and not NaN. Errors are for misuse.
+//!
+//! # Numbers
+//!
+//! Collecting edges uses integers only. The solver runs on any [`Scalar`]; a back end is a type, and a feature adds it.
+//!
+//! | feature | adds |
+//! | --- | --- |
+//! | `libm` (default) | [`Scalar`] for `f32` and `f64`: the same bits on every machine |
+//! | `micromath` | `Micro`: `f32` with micromath's short trigonometry |
+//! | `fixed` | `Q32`: 32.32 fixed point, no floating point at all |
+//! | `defmt` | `defmt::Format` on the public types |
+//! | `serde` | (de)serialisation of the public types; checked types are checked again |
+//! | `std` | conveniences that collect into `Vec` |
+//!
+//! # Guarantees
+//!
+//! No clock, no input or output, no heap, no globals, no `unsafe`. Memory is fixed by const generics. Full tables refuse
+//! the newcomer, count it ([`Counters`]) and never lose a confirmed line.
+
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
 #![cfg_attr(docsrs, feature(doc_cfg))]
-#![doc = "TODO"]
 
 #[cfg(feature = "std")]
 extern crate std;
@@ -10,20 +96,29 @@ extern crate std;
 mod scalar;
 mod vector;
 
+// What is known beforehand.
 mod camera;
 mod distortion;
-mod motion;
 mod readout;
+mod motion;
 mod setup;
 
+// From edges to lines.
 mod edge;
+mod line;
+mod track;
+
+// From a line to a range.
+mod sight;
+mod solve;
+mod common;
 mod estimate;
 mod fit;
-mod line;
 mod range;
+
+// All of it, and the paper's short way.
 mod ranger;
 pub mod rse;
-mod track;
 
 mod error;
 
@@ -45,3 +140,7 @@ pub use scalar::Q32;
 pub use scalar::Scalar;
 pub use setup::{Limits, Setup, Uncertainty};
 pub use track::{Counters, Tracker};
+
+#[cfg(all(doctest, feature = "libm"))]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -187,7 +187,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let filled = || self.knots.iter().filter(|knot| knot.edges > 0);
         // Windows of three; at the ends the knot itself stands in for the neighbour it lacks.
         let before = filled().take(1).chain(filled());
-        let after = filled().skip(1).chain(filled().last());
+        let after = filled().skip(1).chain(filled().next_back());
         filled().zip(before).zip(after).map(|((knot, before), after)| {
             self.mean::<S>(knot).with_spread(self.row_variance(knot), &self.mean(before), &self.mean(after))
         })

@@ -1,7 +1,8 @@
 //! [`Range`]: what is told of one line.
 
 use crate::estimate::{Estimate, Interval, RangeStatus};
-use crate::fit::{FitError, LineInSpace, Sight, fit_line};
+use crate::fit::{FitError, fit_line};
+use crate::sight::{LineInSpace, Sight};
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
 
 /// The range of one upright edge: estimate, status, and where the edge is in the image.

@@ -130,6 +130,13 @@ impl Readout {
         }
     }
 
+    /// The row that is read after `rows_before` others; the last one where there are not so many.
+    #[must_use]
+    pub const fn row_after(&self, rows_before: u16) -> u16 {
+        // The two counts mirror each other.
+        self.rows_before(rows_before)
+    }
+
     /// Middle of the exposure of `row` in nanoseconds since frame start, rounded once from an exact product.
     #[must_use]
     pub const fn row_time_ns(&self, row: u16) -> i64 {

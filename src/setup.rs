@@ -153,6 +153,13 @@ impl<S: Scalar> Setup<S> {
         Ok(Self { camera, readout, uncertainty, limits })
     }
 
+    /// The same with other limits.
+    ///
+    /// *Errors*: limits out of range.
+    pub fn with_limits(self, limits: Limits) -> Result<Self, ParameterError> {
+        Self::new(self.camera, self.readout, self.uncertainty, limits)
+    }
+
     /// The camera.
     #[must_use]
     pub const fn camera(&self) -> &Camera<S> {

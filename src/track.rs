@@ -1,5 +1,7 @@
 //! [`Tracker`]: from a stream of edges in row order to lines.
 
+use core::iter::Peekable;
+
 use heapless::Vec;
 
 use crate::{Edge, Limits, Line, Polarity};
@@ -103,6 +105,14 @@ struct Prediction {
     gate_q16: i64,
 }
 
+/// A line under way, as a row sees it.
+struct Candidate {
+    prediction: Prediction,
+    slot: usize,
+    state: State,
+    polarity: Polarity,
+}
+
 /// A line or an edge on the way from left to right.
 #[derive(Clone, Copy)]
 enum Item {
@@ -110,13 +120,83 @@ enum Item {
     Line { slot: usize, gate_q16: i64 },
 }
 
-/// The sweep's memory for one polarity.
+/// An edge and a line that may belong together.
 #[derive(Clone, Copy)]
-struct Sweep {
+struct Pair {
+    edge: Edge,
+    slot: usize,
+    distance_q16: i64,
+}
+
+/// What has become of an edge.
+enum Settled {
+    Joined(Pair),
+    Alone(Edge),
+}
+
+/// Matches edges to lines, both in the order of their columns: each other's nearest belong together.
+struct Sweep<I: Iterator<Item = (Prediction, usize)>> {
+    lines: Peekable<I>,
     /// The item before, if it is not yet settled.
     previous: Option<(i64, Item)>,
-    /// The pair that the item before forms with the one before it, if any: edge, slot and distance.
-    pair: Option<(Edge, usize, i64)>,
+    /// The pair that the item before forms with the one before it.
+    pair: Option<Pair>,
+}
+
+impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
+    fn over(lines: I) -> Self {
+        Self { lines: lines.peekable(), previous: None, pair: None }
+    }
+
+    /// Takes the next edge; `settle` hears of those whose fate is now known, in the order of columns.
+    fn edge(&mut self, edge: Edge, settle: &mut impl FnMut(Settled)) {
+        let column = i64::from(edge.column_q16);
+        while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
+            self.advance(Some((line.column_q16, Item::Line { slot, gate_q16: line.gate_q16 })), settle);
+        }
+        self.advance(Some((column, Item::Edge(edge))), settle);
+    }
+
+    fn finish(mut self, settle: &mut impl FnMut(Settled)) {
+        while let Some((line, slot)) = self.lines.next() {
+            self.advance(Some((line.column_q16, Item::Line { slot, gate_q16: line.gate_q16 })), settle);
+        }
+        self.advance(None, settle);
+    }
+
+    /// Two neighbours of different kind are a pair unless one of them is nearer to its neighbour on the other side.
+    fn advance(&mut self, next: Option<(i64, Item)>, settle: &mut impl FnMut(Settled)) {
+        let pair = match (self.previous, next) {
+            (Some(left), Some(right)) => pair_up(left, right),
+            _ => None,
+        };
+        let nearer = match (&self.pair, &pair) {
+            (Some(before), Some(now)) => now.distance_q16 < before.distance_q16,
+            (None, Some(_)) => true,
+            (_, None) => false,
+        };
+        match (self.pair.take(), self.previous.take()) {
+            // The line before leaves its edge for a nearer one.
+            (Some(left), Some((_, Item::Line { .. }))) if nearer => settle(Settled::Alone(left.edge)),
+            (Some(_), _) if nearer => {}
+            (Some(left), _) => settle(Settled::Joined(left)),
+            (None, Some((_, Item::Edge(edge)))) if !nearer => settle(Settled::Alone(edge)),
+            (None, _) => {}
+        }
+        self.pair = pair.filter(|_| nearer);
+        self.previous = next;
+    }
+}
+
+/// An edge and a line within the line's gate.
+fn pair_up(left: (i64, Item), right: (i64, Item)) -> Option<Pair> {
+    let distance_q16 = right.0 - left.0;
+    match (left.1, right.1) {
+        (Item::Edge(edge), Item::Line { slot, gate_q16 }) | (Item::Line { slot, gate_q16 }, Item::Edge(edge)) => {
+            (distance_q16 <= gate_q16).then_some(Pair { edge, slot, distance_q16 })
+        }
+        _ => None,
+    }
 }
 
 impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
@@ -131,20 +211,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// be left out, rows without edges should be given, since lines end by missing rows.
     pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
         let predictions = self.predictions(limits, row);
-        let mut sweeps = [Sweep { previous: None, pair: None }; 3];
-        let mut lines = predictions.iter().peekable();
-        for edge in edges {
-            let column = i64::from(edge.column_q16);
-            while let Some((prediction, slot)) = lines.next_if(|(line, _)| line.column_q16 <= column) {
-                self.sweep_line(&mut sweeps, prediction, *slot, limits);
-            }
-            self.advance(&mut sweeps, edge.polarity, Some((column, Item::Edge(*edge))), limits);
-        }
-        for (prediction, slot) in lines {
-            self.sweep_line(&mut sweeps, prediction, *slot, limits);
-        }
         for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
-            self.advance(&mut sweeps, polarity, None, limits);
+            self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
         }
         self.count_missed(limits, row);
     }
@@ -173,62 +241,56 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Predictions of all lines under way, from left to right.
-    fn predictions(&self, limits: &Limits, row: u16) -> Vec<(Prediction, usize), LINES> {
+    fn predictions(&self, limits: &Limits, row: u16) -> Vec<Candidate, LINES> {
         let mut predictions: Vec<_, LINES> = Vec::new();
         for (slot, track) in self.tracks.iter().enumerate() {
             // One per slot at most.
             if let Some(track) = track.as_ref().filter(|track| track.state != State::Ended) {
-                let _ = predictions.push((track.predict(row, limits), slot));
+                let (state, polarity) = (track.state, track.line.first().polarity);
+                let _ = predictions.push(Candidate { prediction: track.predict(row, limits), slot, state, polarity });
             }
         }
-        predictions.sort_unstable_by_key(|(prediction, _)| prediction.column_q16);
+        predictions.sort_unstable_by_key(|candidate| candidate.prediction.column_q16);
         predictions
     }
 
-    fn sweep_line(&mut self, sweeps: &mut [Sweep; 3], prediction: &Prediction, slot: usize, limits: &Limits) {
-        if let Some(track) = self.tracks.get(slot).and_then(Option::as_ref) {
-            let item = Item::Line { slot, gate_q16: prediction.gate_q16 };
-            self.advance(sweeps, track.line.first().polarity, Some((prediction.column_q16, item)), limits);
+    /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
+    /// not take its edges. What matches nothing begins a line.
+    fn match_edges<'e>(
+        &mut self,
+        limits: &Limits,
+        candidates: &[Candidate],
+        edges: impl Iterator<Item = &'e Edge>,
+        polarity: Polarity,
+    ) {
+        let lines = |state| {
+            let among = move |candidate: &&Candidate| candidate.state == state && candidate.polarity == polarity;
+            candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
+        };
+        let mut confirmed = Sweep::over(lines(State::Confirmed));
+        let mut tentative = Sweep::over(lines(State::Tentative));
+        let last = |settled, tracker: &mut Self| match settled {
+            Settled::Joined(pair) => tracker.join(&pair, limits),
+            Settled::Alone(edge) => tracker.begin(edge),
+        };
+        let mut first = |settled, tracker: &mut Self| match settled {
+            Settled::Joined(pair) => tracker.join(&pair, limits),
+            Settled::Alone(edge) => tentative.edge(edge, &mut |settled| last(settled, tracker)),
+        };
+        for edge in edges {
+            confirmed.edge(*edge, &mut |settled| first(settled, self));
         }
+        confirmed.finish(&mut |settled| first(settled, self));
+        tentative.finish(&mut |settled| last(settled, self));
     }
 
-    /// Moves the sweep of one polarity to the next item. Two neighbours of different kind are a pair unless one of them
-    /// is nearer to its neighbour on the other side.
-    fn advance(&mut self, sweeps: &mut [Sweep; 3], polarity: Polarity, next: Option<(i64, Item)>, limits: &Limits) {
-        let [rising, falling, unknown] = sweeps;
-        let sweep = match polarity {
-            Polarity::Rising => rising,
-            Polarity::Falling => falling,
-            Polarity::Unknown => unknown,
-        };
-        let pair = match (sweep.previous, next) {
-            (Some(left), Some(right)) => pair_up(left, right),
-            _ => None,
-        };
-        let nearer = match (&sweep.pair, &pair) {
-            (Some((_, _, before)), Some((_, _, now))) => now < before,
-            (None, Some(_)) => true,
-            (_, None) => false,
-        };
-        match (sweep.pair.take(), sweep.previous.take()) {
-            // The item before leaves its partner for the nearer one; a partner that is an edge stays alone.
-            (Some((edge, _, _)), Some((_, Item::Line { .. }))) if nearer => self.begin(edge),
-            (Some(_), _) if nearer => {}
-            (Some((edge, slot, _)), _) => self.join(edge, slot, limits),
-            (None, Some((_, Item::Edge(edge)))) if !nearer => self.begin(edge),
-            (None, _) => {}
-        }
-        sweep.pair = if nearer { pair } else { None };
-        sweep.previous = next;
-    }
-
-    fn join(&mut self, edge: Edge, slot: usize, limits: &Limits) {
-        let taken = match self.tracks.get_mut(slot) {
-            Some(Some(track)) => track.take(edge, limits),
+    fn join(&mut self, pair: &Pair, limits: &Limits) {
+        let taken = match self.tracks.get_mut(pair.slot) {
+            Some(Some(track)) => track.take(pair.edge, limits),
             _ => false,
         };
         if !taken {
-            self.begin(edge);
+            self.begin(pair.edge);
         }
     }
 
@@ -274,16 +336,5 @@ fn finish<const KNOTS: usize>(slot: &mut Option<Track<KNOTS>>, counters: &mut Co
         }
         Some(track) => track.state = State::Ended,
         None => {}
-    }
-}
-
-/// An edge and a line within the line's gate.
-fn pair_up(left: (i64, Item), right: (i64, Item)) -> Option<(Edge, usize, i64)> {
-    let distance = right.0 - left.0;
-    match (left.1, right.1) {
-        (Item::Edge(edge), Item::Line { slot, gate_q16 }) | (Item::Line { slot, gate_q16 }, Item::Edge(edge)) => {
-            (distance <= gate_q16).then_some((edge, slot, distance))
-        }
-        _ => None,
     }
 }

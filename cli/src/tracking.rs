@@ -56,7 +56,7 @@ fn patient(setup: &Setup<f64>, rows: &[EdgeRow]) -> Result<Setup<f64>> {
     let tentative_gap_rows = u16::try_from(patience)?.max(defaults.tentative_gap_rows);
     let gap_rows = (3 * tentative_gap_rows).max(defaults.gap_rows);
     let limits = Limits { tentative_gap_rows, gap_rows, ..defaults };
-    Ok(Setup::new(*setup.camera(), *setup.readout(), *setup.uncertainty(), limits)?)
+    Ok(setup.with_limits(limits)?)
 }
 
 /// Median distance between successive rows that have edges: 1 for a full frame, more where only some rows were looked at.

@@ -98,6 +98,16 @@ pub trait Scalar:
     }
 }
 
+/// √(a² + b²) without squares that leave the range.
+pub(crate) fn hypot<S: Scalar>(a: S, b: S) -> S {
+    let (large, small) = if a.abs() > b.abs() { (a.abs(), b.abs()) } else { (b.abs(), a.abs()) };
+    if !(large > S::ZERO) {
+        return S::ZERO;
+    }
+    let part = small / large;
+    large * (S::ONE + part * part).sqrt()
+}
+
 mod sealed {
     pub trait Sealed {}
 }

@@ -1,0 +1,101 @@
+//! What a sample sees, and the edge that is sought, both in the axes of the frame-start camera.
+
+use crate::vector::{add, cross, dot, scale, sub};
+use crate::{Camera, Motion, Sample, Scalar};
+
+/// What one sample says, whatever the edge: a ray, where it starts, and how it moves along the row.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight<S> {
+    /// `R r`
+    pub(crate) direction: [S; 3],
+    /// `R (u, w, 0)`: what a relative change of focal length adds to the direction.
+    pub(crate) off_axis: [S; 3],
+    /// Change of the direction per pixel of column.
+    pub(crate) along_row: [S; 3],
+    pub(crate) position: [S; 3],
+    /// By how much the mean of `m · p` over the sample's spread exceeds the `m · p` of the means.
+    pub(crate) covariance: S,
+    /// Rotation rate times time.
+    pub(crate) turned: [S; 3],
+    pub(crate) time_s: S,
+    pub(crate) sigma_px: S,
+}
+
+impl<S: Scalar> Sight<S> {
+    pub(crate) fn new<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>) -> Self {
+        let middle = Self::at(camera, motion, sample, S::ZERO);
+        if sample.spread.row_px == S::ZERO {
+            return middle;
+        }
+        // The mean over a stretch is, up to the third order, that of two points one standard deviation off its middle.
+        let before = Self::at(camera, motion, sample, -S::ONE);
+        let after = Self::at(camera, motion, sample, S::ONE);
+        let half = S::ratio(1, 2);
+        let mean = |a, b| scale(add(a, b), half);
+        let half_change = |a, b| scale(sub(a, b), half);
+        let m_change = cross(half_change(after.direction, before.direction), motion.gravity());
+        Self {
+            direction: mean(after.direction, before.direction),
+            position: mean(after.position, before.position),
+            covariance: dot(m_change, half_change(after.position, before.position)),
+            ..middle
+        }
+    }
+
+    /// The ray `spreads` standard deviations along the sample's stretch.
+    fn at<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>, spreads: S) -> Self {
+        let spread = &sample.spread;
+        let time_s = sample.time_s + spread.time_s * spreads;
+        let ray = camera.ray(sample.column_px + spread.column_px * spreads, sample.row_px + spread.row_px * spreads);
+        let pose = motion.pose(time_s);
+        Self {
+            direction: pose.turn([ray.u, ray.w, S::ONE]),
+            off_axis: pose.turn([ray.u, ray.w, S::ZERO]),
+            along_row: pose.turn([ray.du_dcolumn, ray.dw_dcolumn, S::ZERO]),
+            position: pose.position_m,
+            covariance: S::ZERO,
+            turned: scale(pose.rate_rad_s, time_s),
+            time_s,
+            sigma_px: sample.sigma_px,
+        }
+    }
+}
+
+/// The unknowns `(a, ρ, β)` and the directions that they refer to.
+#[derive(Clone, Copy)]
+pub(crate) struct LineInSpace<S> {
+    pub(crate) bearing: S,
+    pub(crate) inverse_depth: S,
+    pub(crate) tilt: S,
+    pub(crate) gravity: [S; 3],
+    /// Unit vector in the image plane, across gravity: `g + β e` is where a leaning edge points.
+    pub(crate) lean: [S; 3],
+}
+
+impl<S: Scalar> LineInSpace<S> {
+    pub(crate) fn start(gravity: [S; 3]) -> Self {
+        let [gx, gy, _] = gravity;
+        let length = (gx * gx + gy * gy).sqrt();
+        // Looking straight down there is no such direction; every sample is refused as sideways then.
+        let lean = if length > S::ZERO { [gy / length, -gx / length, S::ZERO] } else { [S::ONE, S::ZERO, S::ZERO] };
+        Self { bearing: S::ZERO, inverse_depth: S::ZERO, tilt: S::ZERO, gravity, lean }
+    }
+
+    pub(crate) fn direction(&self) -> [S; 3] {
+        add(self.gravity, scale(self.lean, self.tilt))
+    }
+
+    /// `m · P` with `P = (a, 0, 1) − ρ p`, added up so that what nearly cancels does so first: single precision then loses one rounding, not four.
+    pub(crate) fn offset(&self, m: [S; 3], sight: &Sight<S>) -> S {
+        let [mx, _, mz] = m;
+        (mx * self.bearing + mz) - self.inverse_depth * dot(m, sight.position)
+    }
+
+    /// How far along the row, in pixels, a sight lies from the edge; `None` where rows run along the edge.
+    pub(crate) fn miss_px(&self, sight: &Sight<S>) -> Option<S> {
+        let miss = self.offset(cross(sight.direction, self.direction()), sight);
+        let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
+        let pixels = miss / per_px;
+        (per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
+    }
+}
