@@ -72,7 +72,7 @@ fn setups() {
 fn edges() {
     let setup = Scene::vga().setup::<f64>();
     let mut ranger: Ranger<4, 8, 4> = Ranger::new();
-    let outside = [(0, 640 << 16), (0, -(1 << 16)), (480, 5 << 16), (u16::MAX, 0), (0, i32::MAX), (0, i32::MIN)];
+    let outside = [(0, 641 << 16), (0, -(2 << 16)), (480, 5 << 16), (u16::MAX, 0), (0, i32::MAX), (0, i32::MIN)];
     for (row, column_q16) in outside {
         let refused = ranger.edge(&setup, Edge::new(row, column_q16, 0));
         assert_eq!(refused, Err(EdgeError::OutsideImage { row, column_q16 }));

@@ -127,12 +127,13 @@ impl<S: Scalar> Camera<S> {
         &self.distortion
     }
 
-    /// Whether `column_q16` (1/65536 px) and `row` lie on a pixel of the image.
+    /// Whether `row` is one of the image and `column_q16` (1/65536 px) lies within a pixel of its centres: detectors that
+    /// count pixels from their corners report an edge at the border half a pixel outside.
     #[must_use]
     pub const fn contains(&self, column_q16: i32, row: u16) -> bool {
-        const HALF: i32 = 1 << 15;
+        const ONE: i32 = 1 << 16;
         let width = (self.intrinsics.columns as i32) << 16;
-        column_q16 >= -HALF && column_q16 <= width - HALF && row < self.intrinsics.rows
+        column_q16 >= -ONE && column_q16 <= width && row < self.intrinsics.rows
     }
 
     /// The direction in which the pixel at `column`, `row` looks. Meaningful on the image and a little around it.

@@ -153,7 +153,7 @@ impl<'a> RowParser<'a> {
     fn new(header: &'a Header, setup: &'a SetupFile) -> Self {
         let image = setup.setup.camera().intrinsics();
         let rows = Bounds::whole(0.0, f64::from(image.rows) - 1.0, "rows of the image");
-        let columns = Bounds::number(-0.5, f64::from(image.columns) - 0.5, "columns of the image");
+        let columns = Bounds::number(-1.0, f64::from(image.columns), "columns of the image");
         Self { header, setup, rows, columns }
     }
 

@@ -61,11 +61,11 @@ fn syntax(text: &str, error: &toml::de::Error) -> Error {
 /// A parameter that the library refuses, under its name in the file.
 fn dotted(error: ParameterError) -> Error {
     let name = error.parameter;
+    if name == "distortion" {
+        return anyhow!("`camera.distortion` folds over at radius {:.3}: it must be {}", error.value, error.expected);
+    }
     match KEYS.iter().find(|(_, keys)| keys.contains(&name)) {
         Some((section, _)) => anyhow!("`{section}.{name}` is {}, but must be {}", error.value, error.expected),
-        None if name.starts_with("distortion") => {
-            anyhow!("`camera.distortion` folds over at radius {:.3}, but must be {}", error.value, error.expected)
-        }
         None => error.into(),
     }
 }

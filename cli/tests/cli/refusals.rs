@@ -252,8 +252,8 @@ fn values_of_edges() {
         "row,column\n,2\n",
         "line 2: `row` is empty, but must be a whole number from 0 to 479 (rows of the image)",
     );
-    let columns = "but must be a number from -0.5 to 639.5 (columns of the image)";
-    refuse_edges("row,column\n\n1,2\n\n\n2,640\n", &format!("line 6: `column` is `640`, {columns}"));
+    let columns = "but must be a number from -1 to 640 (columns of the image)";
+    refuse_edges("row,column\n\n1,2\n\n\n2,641\n", &format!("line 6: `column` is `641`, {columns}"));
     refuse_edges("row,column\r\n\r\n1,nan\r\n", &format!("line 3: `column` is `nan`, {columns}"));
     refuse_edges("row,column\n1,left\n", &format!("line 2: `column` is `left`, {columns}"));
     refuse_edges("row,column\n1,2,3\n", "line 2: 3 values, but must be 2, one for each column of the header");
