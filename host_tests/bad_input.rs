@@ -77,7 +77,10 @@ fn edges() {
         let refused = ranger.edge(&setup, Edge::new(row, column_q16, 0));
         assert_eq!(refused, Err(EdgeError::OutsideImage { row, column_q16 }));
     }
-    assert_eq!(ranger.edge(&setup, Edge::new(3, 0, 0).with_sigma_q16(0)), Err(EdgeError::ZeroSigma { row: 3 }));
+    for sigma_q16 in [0, Edge::MAX_SIGMA_Q16 + 1, u32::MAX] {
+        let refused = ranger.edge(&setup, Edge::new(3, 0, 0).with_sigma_q16(sigma_q16));
+        assert_eq!(refused, Err(EdgeError::Sigma { row: 3, sigma_q16 }));
+    }
     for time_ns in [i64::MIN, i64::MAX, 4_000_000_000_000] {
         assert_eq!(ranger.edge(&setup, Edge::new(3, 0, time_ns)), Err(EdgeError::TimeRange { time_ns }));
     }

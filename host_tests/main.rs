@@ -11,6 +11,7 @@ mod projection;
 mod readout;
 mod reference_lines;
 mod scenes;
+mod simulator;
 mod statuses;
 mod symmetries;
 mod table2;

@@ -75,16 +75,6 @@ proptest! {
         prop_assert!((here.sigma_inverse_depth_per_m / there.sigma_inverse_depth_per_m - 2.0).abs() < 1e-3);
     }
 
-    /// Twice the speed doubles the slope of the same edge.
-    #[test]
-    fn speed_doubles_the_slope(vx in 0.3..3.0, depth_m in 1.0..6.0) {
-        let slope = |speed: f64| {
-            let scene = Scene { velocity_m_s: [-speed, 0.0, 0.0], bearing: 0.0, depth_m, ..Scene::vga() };
-            scene.column(200) - scene.column(100)
-        };
-        prop_assert!((slope(2.0 * vx) / slope(vx) - 2.0).abs() < 1e-9);
-    }
-
     /// Half the readout time and twice the speeds is the same picture.
     #[test]
     fn time_and_speed_trade(scene in scenes()) {
@@ -131,11 +121,5 @@ proptest! {
         let ratio = here.estimate.inverse_depth_per_m / there.estimate.inverse_depth_per_m;
         prop_assert!((ratio - 1.0).abs() < 1e-6);
         prop_assert!(there.first_row < there.last_row);
-    }
-
-    /// The same bits again, whatever came before.
-    #[test]
-    fn the_same_bits(scene in scenes()) {
-        prop_assert_eq!(exact(&scene), exact(&scene));
     }
 }

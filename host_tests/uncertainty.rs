@@ -1,7 +1,7 @@
 //! What a setup states about speed, rotation, gravity, readout and focal length: each sigma against the error that the
 //! same disturbance causes.
 
-use shutter_range::{Distortion, Estimate, Intrinsics, Limits, Range, Setup, Uncertainty, fit};
+use shutter_range::{Distortion, Estimate, Intrinsics, Limits, Motion, Pose, Range, Sample, Setup, Uncertainty, fit};
 
 use crate::projection::Scene;
 use crate::scenes::{line_of, range_of};
@@ -58,6 +58,48 @@ fn readout() {
         ..scene()
     };
     assert_explains("readout", Uncertainty { sigma_readout: SMALL, ..Uncertainty::NONE }, &[slower]);
+}
+
+/// A camera that brakes: a wrong readout time moves it by its velocity at that time, not by its mean one.
+#[test]
+fn readout_of_an_accelerated_camera() {
+    struct Braking {
+        time_scale: f64,
+    }
+    impl Motion<f64> for Braking {
+        fn pose(&self, time_s: f64) -> Pose<f64> {
+            let t = time_s * self.time_scale;
+            let unturned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            Pose {
+                position_m: [-0.2 * t - 30.0 * t * t, 0.0, 0.0],
+                rotation: unturned,
+                velocity_m_s: [-0.2 - 60.0 * t, 0.0, 0.0],
+                rate_rad_s: [0.0; 3],
+            }
+        }
+
+        fn gravity(&self) -> [f64; 3] {
+            [0.0, 1.0, 0.0]
+        }
+    }
+    let scene = Scene::vga();
+    let truth = Braking { time_scale: 1.0 };
+    let samples: Vec<_> = (0..480)
+        .step_by(10)
+        .map(|row| {
+            let [x, _, _] = truth.pose(scene.time_s(row)).position_m;
+            Sample::point(scene.cx + scene.focal_px * (0.1 - x / 2.0), f64::from(row), scene.time_s(row), 0.1)
+        })
+        .collect();
+    let estimate = |motion: &Braking, uncertainty| {
+        fit::<f64, _, 48>(&scene.setup_with(uncertainty), motion, samples.iter().copied()).expect("sound")
+    };
+    let plain = estimate(&truth, Uncertainty::NONE);
+    assert!((plain.inverse_depth_per_m - 0.5).abs() < 1e-9);
+    let wrong = estimate(&Braking { time_scale: 1.0 + SMALL }, Uncertainty::NONE);
+    let change = (wrong.inverse_depth_per_m - plain.inverse_depth_per_m).abs();
+    let sigma = estimate(&truth, Uncertainty { sigma_readout: SMALL, ..Uncertainty::NONE }).sigma_common_per_m;
+    assert!((sigma / change - 1.0).abs() < 0.03, "sigma {sigma}, change {change}");
 }
 
 #[test]

@@ -43,7 +43,7 @@ impl<S: Scalar> Intrinsics<S> {
 /// ```
 /// use shutter_range::{Camera, Distortion, Intrinsics};
 /// let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
-/// let ray = camera.ray(319.5 + 60.0, 239.5);
+/// let ray = camera.ray(319.5 + 60.0, 239.5).expect("in the image");
 /// assert!((ray.u - 0.1).abs() < 1e-6 && ray.w == 0.0);
 /// # Ok::<(), shutter_range::ParameterError>(())
 /// ```
@@ -136,17 +136,18 @@ impl<S: Scalar> Camera<S> {
         column_q16 >= -ONE && column_q16 <= width && row < self.intrinsics.rows
     }
 
-    /// The direction in which the pixel at `column`, `row` looks. Meaningful on the image and a little around it.
+    /// The direction in which the pixel at `column`, `row` looks; `None` where the model of the lens folds over, which is
+    /// well outside the image.
     ///
     /// *Cost*: four operations, or an inversion of the distortion: 100 to 300.
     #[must_use]
-    pub fn ray(&self, column: S, row: S) -> Ray<S> {
+    pub fn ray(&self, column: S, row: S) -> Option<Ray<S>> {
         let recorded = self.normalised(column, row);
         let straight = Ray { u: recorded[0], w: recorded[1], du_dcolumn: self.per_fx, dw_dcolumn: S::ZERO };
         if self.distortion.is_none() {
-            return straight;
+            return Some(straight);
         }
-        self.distortion.undistort(recorded).map_or(straight, |ideal| {
+        self.distortion.undistort(recorded).map(|ideal| {
             let [u, w] = ideal.point;
             let [[du, _], [dw, _]] = ideal.jacobian;
             Ray { u, w, du_dcolumn: du * self.per_fx, dw_dcolumn: dw * self.per_fx }
@@ -202,7 +203,7 @@ impl<S: Scalar> Camera<S> {
         // 1e-4 px, or what the type resolves.
         let tolerance = (self.per_fx * S::ratio(1, 10_000)).max(S::EPSILON * S::from_i32(32));
         // A fold squeezes its surroundings to nothing; keep clear of it, since it may come nearer between the spokes.
-        let squeezed = there.determinant() < S::ratio(1, 8);
+        let squeezed = there.determinant() < S::ratio(1, 16);
         let [u, w] = ideal.point;
         if off <= tolerance && !squeezed { (u * u + w * w).sqrt() } else { S::ZERO }
     }
@@ -210,14 +211,17 @@ impl<S: Scalar> Camera<S> {
     /// The normalised point number `index` of 32 around the border of the image.
     fn border_point(&self, index: i32) -> [S; 2] {
         let Intrinsics { columns, rows, .. } = self.intrinsics;
-        let right = S::from_i32(i32::from(columns) - 1);
-        let bottom = S::from_i32(i32::from(rows) - 1);
+        // Two pixels outside: edges may lie one beyond the last pixel's centre.
+        let low = -S::from_i32(2);
+        let right = S::from_i32(i32::from(columns) + 1);
+        let bottom = S::from_i32(i32::from(rows) + 1);
         let part = S::ratio(index % 8, 8);
+        let between = |from: S, to: S| from + (to - from) * part;
         let (column, row) = match index / 8 {
-            0 => (right * part, S::ZERO),
-            1 => (right, bottom * part),
-            2 => (right - right * part, bottom),
-            _ => (S::ZERO, bottom - bottom * part),
+            0 => (between(low, right), low),
+            1 => (right, between(low, bottom)),
+            2 => (between(right, low), bottom),
+            _ => (low, between(bottom, low)),
         };
         self.normalised(column, row)
     }

@@ -39,7 +39,7 @@ impl<S: Scalar> Cause<S> {
             Self::Rate(axis) => {
                 Change { direction: cross(scale(axis, sight.time_s), sight.direction), position: still }
             }
-            Self::Readout => Change { direction: cross(sight.turned, sight.direction), position: sight.position },
+            Self::Readout => Change { direction: cross(sight.turned, sight.direction), position: sight.advanced },
             Self::Focal => Change { direction: sight.off_axis, position: still },
         }
     }

@@ -31,7 +31,7 @@ pub struct Edge {
     pub time_ns: i64,
     /// Column in 1/65536 px; pixel centres are at whole numbers.
     pub column_q16: i32,
-    /// One standard deviation of the column's noise in 1/65536 px; above zero.
+    /// One standard deviation of the column's noise in 1/65536 px: 1 to [`Edge::MAX_SIGMA_Q16`].
     pub sigma_q16: u32,
     /// Row in the image.
     pub row: u16,
@@ -44,6 +44,9 @@ pub struct Edge {
 impl Edge {
     /// 0.1 px, the noise of an edge that comes without its own.
     pub const DEFAULT_SIGMA_Q16: u32 = 6_554;
+
+    /// 256 px: more than that says nothing.
+    pub const MAX_SIGMA_Q16: u32 = 1 << 24;
 
     /// An edge of unknown polarity and width, with [`Edge::DEFAULT_SIGMA_Q16`] of noise.
     #[must_use]

@@ -35,6 +35,47 @@ impl Display for ParameterError {
 
 impl Error for ParameterError {}
 
+/// Why a row of pixels was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum RowError {
+    /// A row is missing, repeated or out of order: the frame is torn.
+    Order {
+        /// The row that came.
+        row: u16,
+        /// The row that should have come.
+        expected: u16,
+    },
+    /// The row does not have as many pixels as the camera has columns: the frame is torn.
+    Length {
+        /// The row that came.
+        row: u16,
+        /// Its number of pixels.
+        pixels: usize,
+        /// The camera's number of columns.
+        columns: u16,
+    },
+    /// The frame was torn before; rows are taken again from the next frame on.
+    Torn,
+}
+
+impl Display for RowError {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Order { row, expected } => {
+                write!(formatter, "row {row} came where row {expected} was due: torn frame")
+            }
+            Self::Length { row, pixels, columns } => {
+                write!(formatter, "row {row} has {pixels} pixels, but must have {columns}: torn frame")
+            }
+            Self::Torn => write!(formatter, "the frame is torn; rows are taken again after its end"),
+        }
+    }
+}
+
+impl Error for RowError {}
+
 /// Why an edge was not taken. The edge is left out and nothing else changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -68,10 +109,12 @@ pub enum EdgeError {
         /// Column of the edge in 1/65536 px.
         column_q16: i32,
     },
-    /// The noise of the edge is stated as zero, which no sensor reaches and no weight can express.
-    ZeroSigma {
+    /// The noise of the edge is stated as zero, which no sensor reaches, or as more than 256 px.
+    Sigma {
         /// Row of the edge.
         row: u16,
+        /// The stated noise in 1/65536 px.
+        sigma_q16: u32,
     },
     /// The time stamp is more than an hour away from frame start.
     TimeRange {
@@ -95,7 +138,10 @@ impl Display for EdgeError {
             Self::Duplicate { row, column_q16 } => {
                 write!(formatter, "edge at row {row}, column {} came twice", f64::from(column_q16) / 65536.0)
             }
-            Self::ZeroSigma { row } => write!(formatter, "edge at row {row}: sigma must be above zero"),
+            Self::Sigma { row, sigma_q16 } => {
+                let sigma = f64::from(sigma_q16) / 65536.0;
+                write!(formatter, "edge at row {row}: sigma is {sigma} px, but must be 1/65536 to 256 px")
+            }
             Self::TimeRange { time_ns } => {
                 write!(formatter, "time {time_ns} ns: must be within an hour of frame start")
             }

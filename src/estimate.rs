@@ -26,7 +26,7 @@ pub struct Estimate<S> {
     /// Correlation of bearing and inverse depth, −1 to 1.
     pub correlation: S,
     /// The part of `sigma_inverse_depth_per_m` that speed, rotation rate, readout and focal length contribute: it moves
-    /// all edges of a frame together.
+    /// all edges of a frame together. (Gravity is common, too, but acts like a tilt and is counted there.)
     pub sigma_common_per_m: S,
     /// Shortest distance to the edge's line, in units of its depth: |(a, 0, 1) × g|.
     pub distance_per_depth: S,
@@ -97,7 +97,7 @@ impl<S: Scalar> Estimate<S> {
         let three = sigma + sigma + sigma;
         if self.bent {
             RangeStatus::Bent
-        } else if !(sigma <= S::ratio(33, 100)) {
+        } else if !(sigma <= S::ratio(33, 100) && self.inverse_depth_per_m.is_finite()) {
             RangeStatus::Slow
         } else if self.inverse_depth_per_m > three {
             RangeStatus::Ok

@@ -31,7 +31,7 @@ pub enum FitError {
     TooFewSamples(usize),
     /// More samples than the solver's table holds.
     TooManySamples,
-    /// A sample's column, row, time or sigma is not finite, or sigma is not positive.
+    /// A sample's column, row, time or sigma is not finite, sigma is not positive, or the lens maps nothing there.
     InvalidSample(usize),
     /// The edges run along the rows at this sample: the camera lies on its side, or the edges' vanishing point is in view.
     Sideways(usize),
@@ -43,7 +43,10 @@ impl core::fmt::Display for FitError {
             Self::TooFewSamples(count) => write!(formatter, "{count} samples: at least 3 are needed (2 without tilt)"),
             Self::TooManySamples => write!(formatter, "more samples than the solver's table holds"),
             Self::InvalidSample(index) => {
-                write!(formatter, "sample {index}: column, row and time must be finite and sigma above zero")
+                write!(
+                    formatter,
+                    "sample {index}: column, row and time must be finite, sigma above zero, the pixel in the image"
+                )
             }
             Self::Sideways(index) => write!(formatter, "sample {index}: upright edges run along the rows there"),
         }
@@ -88,8 +91,9 @@ pub(crate) fn fit_line<S: Scalar, M: Motion<S>, const N: usize>(
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<(Estimate<S>, LineInSpace<S>), FitError> {
-    let sights = sight_all::<S, M, N>(setup.camera(), motion, samples)?;
-    let least = if setup.uncertainty().sigma_tilt > S::ZERO { 3 } else { 2 };
+    let mut sights = sight_all::<S, M, N>(setup.camera(), motion, samples)?;
+    let Uncertainty { sigma_tilt, sigma_gravity, .. } = *setup.uncertainty();
+    let least = if sigma_tilt > S::ZERO || sigma_gravity > S::ZERO { 3 } else { 2 };
     if sights.len() < least {
         return Err(FitError::TooFewSamples(sights.len()));
     }
@@ -97,7 +101,15 @@ pub(crate) fn fit_line<S: Scalar, M: Motion<S>, const N: usize>(
     // The linear problem is exact in the first round but for tilt, weights and noise in q; those settle in two more.
     let edge = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::First)?.edge;
     let edge = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?.edge;
-    let Solved { edge, solution, rows } = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?;
+    let mut solved = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?;
+    for _ in 0..MAX_CLEANINGS {
+        if !drop_strangers(&mut sights, &solved) {
+            break;
+        }
+        let edge = round::<S, N>(&sights, &solved.edge, setup.uncertainty(), Round::Later)?.edge;
+        solved = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?;
+    }
+    let Solved { edge, solution, rows } = solved;
     let common = Common::of(&sights, &edge, &rows, &solution, setup.uncertainty());
     Ok((solution.estimate(&edge, &rows, &sights, &common), edge))
 }
@@ -114,7 +126,8 @@ fn sight_all<S: Scalar, M: Motion<S>, const N: usize>(
         if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
             return Err(FitError::InvalidSample(index));
         }
-        sights.push(Sight::new(camera, motion, &sample)).map_err(|_| FitError::TooManySamples)?;
+        let sight = Sight::new(camera, motion, &sample).ok_or(FitError::InvalidSample(index))?;
+        sights.push(sight).map_err(|_| FitError::TooManySamples)?;
     }
     Ok(sights)
 }
@@ -147,6 +160,32 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
     Some(Row { q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px })
 }
 
+const MAX_CLEANINGS: usize = 4;
+
+/// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
+/// five times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
+/// if more do not fit, then this is no straight edge.
+fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
+    let mut sizes: Vec<S, N> = Vec::new();
+    for (row, _) in solved.rows.iter().zip(sights.iter()).filter(|(_, sight)| sight.kept) {
+        // As many as rows.
+        let _ = sizes.push(solved.solution.deviation(row).abs());
+    }
+    sizes.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
+    let Some(median) = sizes.get(sizes.len() / 2) else { return false };
+    let usual = (*median * S::ratio(3, 2)).max(S::ONE);
+    let limit = usual * S::from_i32(5);
+    let dropped = sights.len() - sizes.len();
+    let strangers = sizes.iter().filter(|size| **size > limit).count();
+    if strangers == 0 || 3 * (dropped + strangers) > sights.len() {
+        return false;
+    }
+    for (sight, row) in sights.iter_mut().zip(&solved.rows) {
+        sight.kept &= solved.solution.deviation(row).abs() <= limit;
+    }
+    true
+}
+
 struct Solved<S, const N: usize> {
     edge: LineInSpace<S>,
     solution: Solution<S>,
@@ -161,7 +200,10 @@ fn round<S: Scalar, const N: usize>(
 ) -> Result<Solved<S, N>, FitError> {
     let mut rows: Vec<Row<S>, N> = Vec::new();
     for (index, sight) in sights.iter().enumerate() {
-        let row = observe(sight, edge, round).ok_or(FitError::Sideways(index))?;
+        let mut row = observe(sight, edge, round).ok_or(FitError::Sideways(index))?;
+        if !sight.kept {
+            row.root_weight = S::ZERO;
+        }
         // As many rows as sights.
         let _ = rows.push(row);
     }

@@ -105,6 +105,8 @@ mod setup;
 
 // From edges to lines.
 mod edge;
+mod scan;
+mod profile;
 mod line;
 mod track;
 
@@ -119,13 +121,15 @@ mod range;
 // All of it, and the paper's short way.
 mod ranger;
 pub mod rse;
+#[cfg(feature = "libm")]
+pub mod sim;
 
 mod error;
 
 pub use camera::{Camera, Intrinsics, Ray};
 pub use distortion::Distortion;
 pub use edge::{Edge, Polarity};
-pub use error::{EdgeError, ParameterError};
+pub use error::{EdgeError, ParameterError, RowError};
 pub use estimate::{Estimate, Interval, RangeStatus};
 pub use fit::{FitError, fit};
 pub use line::{Line, OutOfOrder, Sample, Spread};
@@ -138,7 +142,8 @@ pub use scalar::Micro;
 #[cfg(feature = "fixed")]
 pub use scalar::Q32;
 pub use scalar::Scalar;
-pub use setup::{Limits, Setup, Uncertainty};
+pub use scan::{ScannedEdge, Scanner};
+pub use setup::{Limits, MotionBlur, Setup, Uncertainty};
 pub use track::{Counters, Tracker};
 
 #[cfg(all(doctest, feature = "libm"))]

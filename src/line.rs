@@ -73,7 +73,9 @@ impl Knot {
     const EMPTY: Self = Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, edges: 0 };
 
     fn of(edge: &Edge, first: &Edge) -> Self {
-        let variance = u64::from(edge.sigma_q16).saturating_mul(u64::from(edge.sigma_q16));
+        // A sum of 65535 squares fits; a sigma of zero would be an infinite weight.
+        let sigma = u64::from(edge.sigma_q16.clamp(1, Edge::MAX_SIGMA_Q16));
+        let variance = sigma * sigma;
         Self {
             columns_q16: i64::from(edge.column_q16) - i64::from(first.column_q16),
             times_ns: edge.time_ns.saturating_sub(first.time_ns),
@@ -84,7 +86,7 @@ impl Knot {
         }
     }
 
-    /// Nothing here can saturate for edges that a [`Ranger`](crate::Ranger) has checked.
+    /// Only times can saturate, and not those of edges that a [`Ranger`](crate::Ranger) has checked.
     fn add(&mut self, other: &Self) {
         self.columns_q16 = self.columns_q16.saturating_add(other.columns_q16);
         self.times_ns = self.times_ns.saturating_add(other.times_ns);
@@ -175,11 +177,14 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.edges
     }
 
-    /// Mean width of the edges (one sigma of blur) in pixels; `None` where none was measured.
+    /// Mean width of the edges (one sigma of blur) in pixels; `None` where none was measured. The first knot, in which the
+    /// width settles, counts only where there is no other.
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
-        let sum = self.knots.iter().map(|knot| i64::from(knot.widths_q8)).sum();
-        (sum > 0).then(|| S::from_ratio(sum, i64::from(self.edges) << 8))
+        let first = usize::from(self.knots.len() > 1);
+        let sums = self.knots.iter().skip(first).map(|knot| (i64::from(knot.widths_q8), i64::from(knot.edges)));
+        let (widths, edges) = sums.fold((0, 0), |(widths, edges), (w, e)| (widths + w, edges + e));
+        (widths > 0).then(|| S::from_ratio(widths, edges << 8))
     }
 
     /// The mean of each knot that has edges, in the order of readout.
@@ -200,7 +205,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Sample::point(
             S::from_ratio(i64::from(first.column_q16) * edges + knot.columns_q16, edges << 16),
             S::from_ratio(i64::from(first.row) * edges + rows, edges),
-            S::from_ratio(first.time_ns * edges + knot.times_ns, edges * NS_PER_S),
+            first.time_s::<S>() + S::from_ratio(knot.times_ns, edges * NS_PER_S),
             S::from_ratio(knot.variances_q32.isqrt() as i64, edges << 16),
         )
     }

@@ -2,6 +2,7 @@
 
 use crate::estimate::{Estimate, Interval, RangeStatus};
 use crate::fit::{FitError, fit_line};
+use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
 
@@ -50,6 +51,9 @@ impl<S: Scalar> Range<S> {
                 range.status =
                     if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() };
                 range.estimate = estimate;
+                if range.status == RangeStatus::Ok && blur_contradicts(setup, motion, line, &estimate, &edge) {
+                    range.status = RangeStatus::Inconsistent;
+                }
             }
             Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
             // A line of too few knots; the others cannot come from a line.
@@ -77,12 +81,65 @@ impl<S: Scalar> Range<S> {
     }
 }
 
+/// Whether the edges' width contradicts the motion that their slope implies.
+///
+/// Of the edge's variance, lens² + 1/12 + B²/12, the motion's path during the exposure contributes B. An edge that is
+/// sharper than its slope implies leans; one that is much more blurred, before a known lens, moves more than it shows.
+///
+/// *Source*: blur = |slope caused by motion| · exposure / line time, whatever the lean.
+fn blur_contradicts<S: Scalar, M: Motion<S>, const KNOTS: usize>(
+    setup: &Setup<S>,
+    motion: &M,
+    line: &Line<KNOTS>,
+    estimate: &Estimate<S>,
+    edge: &LineInSpace<S>,
+) -> bool {
+    let (Some(blur), Some(width)) = (setup.motion_blur(), line.mean_width_px::<S>()) else {
+        return false;
+    };
+    let Some(path) = path_px(setup, motion, line, edge, blur.exposure_s) else {
+        return false;
+    };
+    let twelfth = S::ratio(1, 12);
+    let lens = blur.lens_blur_px;
+    let expected = lens * lens + twelfth + path * path * twelfth;
+    let measured = width * width;
+    // One sigma of each part: the lens, the path, the width (√2 of the column's, per edge), and the shape of the profile.
+    let relative = estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m;
+    let of_lens = S::ratio(2, 1) * lens * blur.sigma_lens_blur_px;
+    let of_path = path * path * twelfth * S::ratio(2, 1) * relative;
+    let edges = S::from_i32(i32::from(line.edges()));
+    let sigma_px = S::from_ratio(i64::from(line.last().sigma_q16), 1 << 16);
+    let of_width = width * sigma_px * S::ratio(283, 100) / edges.sqrt();
+    let of_shape = expected * S::ratio(7, 100);
+    let sigma = hypot(hypot(of_lens, of_path), hypot(of_width, of_shape));
+    let four = sigma * S::from_i32(4);
+    measured < expected - four || measured > expected * S::ratio(3, 2) + four
+}
+
+/// Path of the edge along its row during the exposure, in pixels, in the middle of the line.
+fn path_px<S: Scalar, M: Motion<S>, const KNOTS: usize>(
+    setup: &Setup<S>,
+    motion: &M,
+    line: &Line<KNOTS>,
+    edge: &LineInSpace<S>,
+    exposure_s: S,
+) -> Option<S> {
+    let middle = line.samples::<S>().nth(line.samples::<S>().count() / 2)?;
+    let half = exposure_s * S::ratio(1, 2);
+    let miss = |time_s: S| {
+        let sample = Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px);
+        edge.miss_px(&Sight::new(setup.camera(), motion, &sample)?)
+    };
+    Some((miss(middle.time_s + half)? - miss(middle.time_s - half)?).abs())
+}
+
 /// Column at which the fitted edge crosses the row of `near`, by Newton's iteration along that row.
 fn column_at<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, edge: &LineInSpace<S>, near: &Edge) -> S {
     let mut sample = Sample::point(near.column_px(), S::from_i32(i32::from(near.row)), near.time_s(), S::ONE);
     // Exact in one step without distortion.
     for _ in 0..3 {
-        match edge.miss_px(&Sight::new(setup.camera(), motion, &sample)) {
+        match Sight::new(setup.camera(), motion, &sample).and_then(|sight| edge.miss_px(&sight)) {
             Some(miss) => sample.column_px = sample.column_px - miss,
             None => break,
         }

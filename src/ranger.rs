@@ -2,7 +2,9 @@
 
 use heapless::Vec;
 
-use crate::{Counters, Edge, EdgeError, Motion, Range, Scalar, Setup, Tracker};
+use crate::profile::{Neighbours, Profile};
+use crate::track::RowTime;
+use crate::{Counters, Edge, EdgeError, Motion, Range, RowError, Scalar, Scanner, Setup, Tracker};
 
 /// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `EDGES` edges on one row.
 ///
@@ -36,6 +38,8 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const EDGES: usize> {
     /// Edges of the row under way, by column.
     row: Vec<Edge, EDGES>,
     last: Option<LastRow>,
+    scanner: Scanner,
+    torn: bool,
 }
 
 /// The row that came last, and its latest time.
@@ -43,13 +47,15 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const EDGES: usize> {
 struct LastRow {
     row: u16,
     time_ns: i64,
+    /// Its edges have gone to the tracker.
+    complete: bool,
 }
 
 impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, KNOTS, EDGES> {
     /// A ranger with empty tables.
     #[must_use]
     pub const fn new() -> Self {
-        Self { tracker: Tracker::new(), row: Vec::new(), last: None }
+        Self { tracker: Tracker::new(), row: Vec::new(), last: None, scanner: Scanner::new(), torn: false }
     }
 
     /// Takes one edge. Rows come in the order of readout, each row's edges in any order; the row is complete when an
@@ -57,18 +63,73 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     ///
     /// *Errors*: see [`EdgeError`]; a refused edge changes nothing. An edge for which the row's buffer has no room is
     /// no error: it is counted.
+    ///
+    /// *Cost*: a binary search in the row's edges, and a move of those on the right of it.
     pub fn edge<S: Scalar>(&mut self, setup: &Setup<S>, edge: Edge) -> Result<(), EdgeError> {
         self.check(setup, &edge)?;
         if self.last.is_some_and(|last| last.row != edge.row) {
             self.complete_row(setup);
         }
         let time_ns = self.last.map_or(edge.time_ns, |last| last.time_ns.max(edge.time_ns));
-        self.last = Some(LastRow { row: edge.row, time_ns });
-        let at = self.row.iter().take_while(|other| other.column_q16 <= edge.column_q16).count();
+        self.last = Some(LastRow { row: edge.row, time_ns, complete: false });
+        let at = self.row.partition_point(|other| other.column_q16 < edge.column_q16);
         if self.row.insert(at, edge).is_err() {
             self.tracker.count_dropped_edge();
         }
         Ok(())
+    }
+
+    /// Takes one row of pixels, dark 0 to bright 255. Rows come in the order of readout, each once.
+    ///
+    /// *Errors*: [`RowError`]; a row that is missing, repeated or too short tears the frame: the lines under way are given up
+    /// and further rows are refused until the next frame, since what looks like a sheared edge may be the tear.
+    ///
+    /// *Cost*: a sum over the row, about 200 operations per line, and about ten per pixel near anything else.
+    pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: &[u8]) -> Result<(), RowError> {
+        if self.torn {
+            return Err(RowError::Torn);
+        }
+        let expected = self.last.map_or(0, |last| setup.readout().rows_before(last.row) + 1);
+        let columns = setup.camera().intrinsics().columns;
+        let problem = if row >= setup.readout().rows() || setup.readout().rows_before(row) != expected {
+            Some(RowError::Order { row, expected: setup.readout().row_after(expected) })
+        } else if pixels.len() != usize::from(columns) {
+            Some(RowError::Length { row, pixels: pixels.len(), columns })
+        } else {
+            None
+        };
+        if let Some(problem) = problem {
+            self.tear();
+            return Err(problem);
+        }
+        let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
+        self.last = Some(LastRow { row, time_ns: at.time_ns, complete: true });
+        let (edges, tracker) = (&mut self.row, &mut self.tracker);
+        self.scanner.scan(pixels, |edge| {
+            if edges.push(edge.at(row, at.time_ns)).is_err() {
+                tracker.count_dropped_edge();
+            }
+        });
+        tracker.refine(setup.limits(), at, pixels, edges);
+        sharpen(edges, pixels, self.scanner.noise_q8());
+        tracker.row(setup.limits(), row, edges);
+        tracker.learn(row, pixels, self.scanner.noise_q8());
+        edges.clear();
+        Ok(())
+    }
+
+    /// Gives the frame up: the lines under way are forgotten, and rows are refused until [`Ranger::end_frame`]. For drivers
+    /// that notice a lost line or an overrun themselves.
+    pub fn tear(&mut self) {
+        self.torn = true;
+        self.row.clear();
+        self.tracker.abandon();
+    }
+
+    /// Whether the frame under way is torn.
+    #[must_use]
+    pub const fn is_torn(&self) -> bool {
+        self.torn
     }
 
     /// Takes a row that was looked at and has no edges (more of them): lines that cross it have missed a row.
@@ -76,25 +137,24 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     /// *Errors*: [`EdgeError::RowOrder`] for a row that was read before the last one.
     pub fn end_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16) -> Result<(), EdgeError> {
         let time_ns = match self.last {
-            Some(last) if last.row == row => last.time_ns,
-            Some(last) => {
-                check_order(setup, last.row, row)?;
+            Some(last) if last.row == row && !last.complete => last.time_ns,
+            last => {
+                check_order(setup, last, row)?;
                 self.complete_row(setup);
-                last.time_ns
+                last.map_or(i64::MIN, |last| last.time_ns)
             }
-            None => i64::MIN,
         };
-        self.last = Some(LastRow { row, time_ns });
+        self.last = Some(LastRow { row, time_ns, complete: false });
+        self.complete_row(setup);
         Ok(())
     }
 
     /// Ends the frame: every line under way is complete. The next edge begins a new frame.
     pub fn end_frame<S: Scalar>(&mut self, setup: &Setup<S>) {
-        if self.last.is_some() {
-            self.complete_row(setup);
-        }
+        self.complete_row(setup);
         self.tracker.end_frame();
         self.last = None;
+        self.torn = false;
     }
 
     /// The next range of those that are ready, in the order of the lines' places in the table. Ask until there is none
@@ -120,7 +180,8 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     }
 
     fn complete_row<S: Scalar>(&mut self, setup: &Setup<S>) {
-        if let Some(last) = self.last {
+        if let Some(last) = self.last.as_mut().filter(|last| !last.complete) {
+            last.complete = true;
             self.tracker.row(setup.limits(), last.row, &self.row);
         }
         self.row.clear();
@@ -132,8 +193,8 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
         if !setup.camera().contains(column_q16, row) {
             return Err(EdgeError::OutsideImage { row, column_q16 });
         }
-        if edge.sigma_q16 == 0 {
-            return Err(EdgeError::ZeroSigma { row });
+        if !(1..=Edge::MAX_SIGMA_Q16).contains(&edge.sigma_q16) {
+            return Err(EdgeError::Sigma { row, sigma_q16: edge.sigma_q16 });
         }
         if !(-HOUR_NS..=HOUR_NS).contains(&time_ns) {
             return Err(EdgeError::TimeRange { time_ns });
@@ -141,11 +202,11 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
         let Some(last) = self.last else {
             return Ok(());
         };
-        if last.row == row {
-            let twice = self.row.iter().any(|other| other.column_q16 == column_q16);
+        if last.row == row && !last.complete {
+            let twice = self.row.binary_search_by_key(&column_q16, |other| other.column_q16).is_ok();
             return if twice { Err(EdgeError::Duplicate { row, column_q16 }) } else { Ok(()) };
         }
-        check_order(setup, last.row, row)?;
+        check_order(setup, Some(last), row)?;
         if time_ns < last.time_ns {
             return Err(EdgeError::TimeOrder { time_ns, previous_ns: last.time_ns });
         }
@@ -153,12 +214,28 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     }
 }
 
-fn check_order<S: Scalar>(setup: &Setup<S>, previous: u16, row: u16) -> Result<(), EdgeError> {
+/// Locates the edges that no line explains as well as their row alone allows.
+fn sharpen(edges: &mut [Edge], pixels: &[u8], noise_q8: u32) {
+    let mut left_q16 = Neighbours::NONE.left_q16;
+    let mut rest = edges.iter_mut().peekable();
+    while let Some(edge) = rest.next() {
+        let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| i64::from(next.column_q16));
+        let around = Neighbours { left_q16, right_q16 };
+        left_q16 = i64::from(edge.column_q16);
+        if let Some(sharper) = Profile::sharpen(pixels, edge, around, noise_q8) {
+            *edge = sharper;
+        }
+    }
+}
+
+/// A row of the image that is read after the last one.
+fn check_order<S: Scalar>(setup: &Setup<S>, last: Option<LastRow>, row: u16) -> Result<(), EdgeError> {
     let readout = setup.readout();
-    if row < readout.rows() && readout.rows_before(row) > readout.rows_before(previous) {
+    let follows = last.is_none_or(|last| readout.rows_before(row) > readout.rows_before(last.row));
+    if row < readout.rows() && follows {
         Ok(())
     } else {
-        Err(EdgeError::RowOrder { row, previous })
+        Err(EdgeError::RowOrder { row, previous: last.map_or(row, |last| last.row) })
     }
 }
 

@@ -15,6 +15,7 @@
 //! These are first-order: use [`fit`](crate::fit()) for rotation, attitude and anything measured on more than two rows.
 
 use crate::estimate::Estimate;
+use crate::scalar::hypot;
 use crate::{ParameterError, Scalar};
 
 /// κ of the paper's camera: one constant that explains its field test. Calibrated from the published figures, since the
@@ -200,25 +201,28 @@ pub fn range_of_endpoints<S: Scalar>(
     let noise = |end: &Endpoint<S>| per_u(end) * end.sigma;
     // A lean of β moves u by β w.
     let tilt = (per_u(&second) * second.w - per_u(&first) * first.w) * sigma_tilt;
-    let variance = noise(&first) * noise(&first) + noise(&second) * noise(&second) + tilt * tilt;
     // a = u1 (1 − ρ v_z t1) + ρ v_x t1 = u1 + ρ t1 (v_x − u1 v_z)
     let lever = first.time_s * (vx - first.u * vz);
     let bearing = first.u + rho * lever;
     let of_first = nearer(&first) * first.sigma - lever * noise(&first);
     let of_second = lever * noise(&second);
     let of_tilt = nearer(&first) * first.w * sigma_tilt + lever * tilt;
-    let bearing_variance = of_first * of_first + of_second * of_second + of_tilt * of_tilt;
-    let mixed = of_tilt * tilt + of_second * noise(&second) - of_first * noise(&first);
-    let sigma_rho = variance.sqrt().min(S::UNKNOWN);
-    let sigma_bearing = bearing_variance.sqrt().min(S::UNKNOWN);
-    let scale = sigma_rho * sigma_bearing;
+    let sigma_rho = hypot(hypot(noise(&first), noise(&second)), tilt).max(S::EPSILON);
+    let sigma_bearing = hypot(hypot(of_first, of_second), of_tilt).max(S::EPSILON);
+    // Sums of products of parts: squares of small sigmas would leave no digits in fixed point.
+    let product = |a: S, rho: S| (a / sigma_bearing) * (rho / sigma_rho);
+    let correlation = product(of_tilt, tilt) + product(of_second, noise(&second)) - product(of_first, noise(&first));
+    if !([rho, bearing, sigma_rho, sigma_bearing, correlation].into_iter().all(S::is_finite)) {
+        // A motion next to nothing: the quotients have left the range of the type.
+        return Ok(Estimate::nothing());
+    }
     Ok(Estimate {
         bearing,
         inverse_depth_per_m: rho,
         sigma_bearing,
-        sigma_inverse_depth_per_m: sigma_rho,
+        sigma_inverse_depth_per_m: sigma_rho.min(S::UNKNOWN),
         sigma_tilt,
-        correlation: if scale > S::ZERO { (mixed / scale).max(-S::ONE).min(S::ONE) } else { S::ZERO },
+        correlation: correlation.max(-S::ONE).min(S::ONE),
         distance_per_depth: (S::ONE + bearing * bearing).sqrt(),
         ..Estimate::nothing()
     })

@@ -42,8 +42,8 @@ impl<S: Scalar> Uncertainty<S> {
             ("sigma_readout", self.sigma_readout),
             ("sigma_focal", self.sigma_focal),
         ];
-        match parameters.into_iter().find(|(_, sigma)| !(*sigma >= S::ZERO && *sigma <= S::from_i32(10))) {
-            Some((name, sigma)) => Err(ParameterError::new(name, sigma.to_f64(), "0 to 10")),
+        match parameters.into_iter().find(|(_, sigma)| !(*sigma >= S::ZERO && *sigma <= S::ONE)) {
+            Some((name, sigma)) => Err(ParameterError::new(name, sigma.to_f64(), "0 to 1")),
             None => Ok(()),
         }
     }
@@ -109,6 +109,47 @@ impl Default for Limits {
     }
 }
 
+/// What is known of the blur of edges: with it, motion blur bears witness against leaning edges.
+///
+/// A moving edge is smeared over its path during the exposure, whatever its lean; a slope without that blur is a lean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MotionBlur<S> {
+    /// Exposure of a row in seconds.
+    pub exposure_s: S,
+    /// One sigma of the lens's own blur in pixels, without that of the pixel itself.
+    pub lens_blur_px: S,
+    /// How well the lens's blur is known, one standard deviation in pixels.
+    pub sigma_lens_blur_px: S,
+}
+
+impl<S: Scalar> MotionBlur<S> {
+    /// A known exposure and a lens of which nothing is known: 0.5 to 1.0 px.
+    #[must_use]
+    pub fn of_exposure(exposure_s: S) -> Self {
+        Self { exposure_s, lens_blur_px: S::ratio(3, 4), sigma_lens_blur_px: S::ratio(144, 1000) }
+    }
+
+    /// A known exposure and a calibrated lens, good to 5 %.
+    #[must_use]
+    pub fn of_lens(exposure_s: S, lens_blur_px: S) -> Self {
+        Self { exposure_s, lens_blur_px, sigma_lens_blur_px: lens_blur_px * S::ratio(1, 20) }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let parameters = [
+            ("exposure_s", self.exposure_s, 60),
+            ("lens_blur_px", self.lens_blur_px, 1000),
+            ("sigma_lens_blur_px", self.sigma_lens_blur_px, 1000),
+        ];
+        match parameters.into_iter().find(|(_, value, most)| !(*value >= S::ZERO && *value <= S::from_i32(*most))) {
+            Some((name, value, _)) => Err(ParameterError::new(name, value.to_f64(), "0 to 60 s, or 0 to 1000 px")),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Camera, readout, uncertainty and limits that fit together.
 ///
 /// The motion is not part of it: it is measured anew for every frame, and has its own check ([`Twist::new`](crate::Twist::new)).
@@ -131,12 +172,13 @@ pub struct Setup<S> {
     readout: Readout,
     uncertainty: Uncertainty<S>,
     limits: Limits,
+    motion_blur: Option<MotionBlur<S>>,
 }
 
 impl<S: Scalar> Setup<S> {
     /// Checks that the parts are sound and belong together.
     ///
-    /// *Errors*: camera and readout with different numbers of rows; a sigma that is negative, not finite or above 10;
+    /// *Errors*: camera and readout with different numbers of rows; a sigma that is negative, not finite or above 1;
     /// limits out of range.
     pub fn new(
         camera: Camera<S>,
@@ -150,14 +192,24 @@ impl<S: Scalar> Setup<S> {
         }
         uncertainty.check()?;
         limits.check()?;
-        Ok(Self { camera, readout, uncertainty, limits })
+        Ok(Self { camera, readout, uncertainty, limits, motion_blur: None })
+    }
+
+    /// The same with a known exposure: edges whose blur contradicts their slope are then
+    /// [`Inconsistent`](crate::RangeStatus::Inconsistent).
+    ///
+    /// *Errors*: an exposure or a blur that is negative, not finite, or beyond 60 s and 1000 px.
+    pub fn with_motion_blur(self, motion_blur: MotionBlur<S>) -> Result<Self, ParameterError> {
+        motion_blur.check()?;
+        Ok(Self { motion_blur: Some(motion_blur), ..self })
     }
 
     /// The same with other limits.
     ///
     /// *Errors*: limits out of range.
     pub fn with_limits(self, limits: Limits) -> Result<Self, ParameterError> {
-        Self::new(self.camera, self.readout, self.uncertainty, limits)
+        limits.check()?;
+        Ok(Self { limits, ..self })
     }
 
     /// The camera.
@@ -178,6 +230,12 @@ impl<S: Scalar> Setup<S> {
         &self.uncertainty
     }
 
+    /// What is known of the blur, if anything.
+    #[must_use]
+    pub const fn motion_blur(&self) -> Option<&MotionBlur<S>> {
+        self.motion_blur.as_ref()
+    }
+
     /// Limits of the tracker.
     #[must_use]
     pub const fn limits(&self) -> &Limits {
@@ -193,6 +251,7 @@ struct RawSetup<S> {
     readout: Readout,
     uncertainty: Uncertainty<S>,
     limits: Limits,
+    motion_blur: Option<MotionBlur<S>>,
 }
 
 #[cfg(feature = "serde")]
@@ -200,6 +259,7 @@ impl<S: Scalar> TryFrom<RawSetup<S>> for Setup<S> {
     type Error = ParameterError;
 
     fn try_from(raw: RawSetup<S>) -> Result<Self, ParameterError> {
-        Self::new(raw.camera, raw.readout, raw.uncertainty, raw.limits)
+        let setup = Self::new(raw.camera, raw.readout, raw.uncertainty, raw.limits)?;
+        raw.motion_blur.map_or(Ok(setup), |blur| setup.with_motion_blur(blur))
     }
 }

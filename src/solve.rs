@@ -24,6 +24,7 @@ impl<S: Scalar> Row<S> {
 }
 
 /// What a round finds, in units that keep every number near one: y in sigmas of the best row, q in its own spread.
+#[derive(Clone, Copy)]
 pub(crate) struct Solution<S> {
     /// One sigma of the best row.
     unit: S,
@@ -37,6 +38,8 @@ pub(crate) struct Solution<S> {
     c: S,
     /// ⟨w⊥, w⊥⟩ plus the prior; zero where tilt is not estimated.
     ww: S,
+    /// The prior's part of it.
+    prior: S,
     /// In y: mean, along q and along w⊥.
     mean_y: S,
     rho: S,
@@ -54,7 +57,8 @@ pub(crate) fn solve<S: Scalar>(
     let mean_q = sum(rows, |row| row.q) / weight;
     let mean_w = sum(rows, |row| row.w) / weight;
     let mean_y = sum(rows, |row| row.y) / weight;
-    let spread = rows.iter().fold(S::ZERO, |most, row| most.max((row.q - mean_q).abs()));
+    let kept = rows.iter().filter(|row| row.root_weight > S::ZERO);
+    let spread = kept.fold(S::ZERO, |most, row| most.max((row.q - mean_q).abs()));
     for row in rows.iter_mut() {
         row.q = if spread > S::ZERO { (row.q - mean_q) / spread } else { S::ZERO };
         row.w = row.w - mean_w;
@@ -64,13 +68,14 @@ pub(crate) fn solve<S: Scalar>(
     let over_qq = if qq > S::ZERO { S::ONE / qq } else { S::ZERO };
     let c = sum(rows, |row| row.q * row.w) * over_qq;
     let rho = sum(rows, |row| row.q * row.y) * over_qq;
+    let none = S::ZERO;
     let mut solution =
-        Solution { unit, spread, mean_q, mean_w, weight, qq, c, ww: S::ZERO, mean_y, rho, beta: S::ZERO };
+        Solution { unit, spread, mean_q, mean_w, weight, qq, c, ww: none, prior: none, mean_y, rho, beta: none };
     let sigma = prior_of_tilt(edge, uncertainty);
     if sigma > S::ZERO {
-        let prior = unit / sigma * (unit / sigma);
-        solution.ww = sum(rows, |row| solution.across(row) * solution.across(row)) + prior;
-        let pull = sum(rows, |row| solution.across(row) * (row.y - rho * row.q)) - edge.tilt * prior;
+        solution.prior = unit / sigma * (unit / sigma);
+        solution.ww = sum(rows, |row| solution.across(row) * solution.across(row)) + solution.prior;
+        let pull = sum(rows, |row| solution.across(row) * (row.y - rho * row.q)) - edge.tilt * solution.prior;
         solution.beta = if solution.ww > S::ZERO { pull / solution.ww } else { S::ZERO };
     }
     solution
@@ -80,7 +85,7 @@ pub(crate) fn solve<S: Scalar>(
 fn normalise_weights<S: Scalar>(rows: &mut [Row<S>]) -> S {
     let best = rows.iter().map(|row| row.root_weight).filter(|sigma| *sigma > S::ZERO).reduce(S::min);
     let unit = best.unwrap_or(S::EPSILON);
-    for row in rows.iter_mut() {
+    for row in rows.iter_mut().filter(|row| row.root_weight > S::ZERO) {
         row.root_weight = if row.root_weight > unit { unit / row.root_weight } else { S::ONE };
     }
     unit
@@ -120,6 +125,11 @@ impl<S: Scalar> Solution<S> {
         row.y - self.rho * row.q - self.beta * self.across(row)
     }
 
+    /// Residual of a row in units of its own noise.
+    pub(crate) fn deviation(&self, row: &Row<S>) -> S {
+        self.residual(row) / self.unit * row.root_weight
+    }
+
     /// How a small common error of `y` moves bearing and inverse depth.
     pub(crate) fn response(&self, rows: &[Row<S>], errors: impl Iterator<Item = S>) -> [S; 2] {
         let (mut mean, mut along, mut across) = (S::ZERO, S::ZERO, S::ZERO);
@@ -152,9 +162,19 @@ impl<S: Scalar> Solution<S> {
             distance_per_depth: dot(across, across).sqrt(),
             ..Estimate::nothing()
         };
-        self.fill_covariance(&mut estimate, common);
-        self.judge_straightness(&mut estimate, rows, sights);
+        let straightness = self.straightness(rows, sights);
+        estimate.misfit = straightness.misfit;
+        estimate.bent = straightness.bent;
+        // The noise was understated where the residuals are larger than chance allows; tilt and common effects were not.
+        let factor = if straightness.significant { straightness.misfit } else { S::ONE };
+        self.with_noise(factor).fill_covariance(&mut estimate, common);
         estimate
+    }
+
+    /// The same with the noise of all rows larger by a factor.
+    fn with_noise(&self, factor: S) -> Self {
+        let prior = self.prior * factor * factor;
+        Self { unit: self.unit * factor, ww: self.ww - self.prior + prior, prior, ..*self }
     }
 
     /// Covariance of pixel noise and tilt's prior, then that of the common effects.
@@ -176,8 +196,9 @@ impl<S: Scalar> Solution<S> {
         let noise_rho = self.unit * rho.sqrt() / self.spread;
         let noise_bearing = self.unit * bearing.max(S::ZERO).sqrt();
         let noise_correlation = bearing_rho / (rho * bearing).sqrt().max(S::EPSILON);
-        let sigma_rho = hypot(noise_rho, common.inverse_depth).min(S::UNKNOWN);
-        let sigma_bearing = hypot(noise_bearing, common.bearing).min(S::UNKNOWN);
+        let within = |sigma: S| sigma.min(S::UNKNOWN).max(S::EPSILON);
+        let sigma_rho = within(hypot(noise_rho, common.inverse_depth));
+        let sigma_bearing = within(hypot(noise_bearing, common.bearing));
         let noise_part = noise_correlation * (noise_rho / sigma_rho) * (noise_bearing / sigma_bearing);
         let common_part = common.correlation * (common.inverse_depth / sigma_rho) * (common.bearing / sigma_bearing);
         let correlation = noise_part + common_part;
@@ -188,15 +209,15 @@ impl<S: Scalar> Solution<S> {
     }
 
     /// Residuals against the stated noise: their size, and whether they follow each other, as those of a curve do.
-    fn judge_straightness(&self, estimate: &mut Estimate<S>, rows: &[Row<S>], sights: &[Sight<S>]) {
+    fn straightness(&self, rows: &[Row<S>], sights: &[Sight<S>]) -> Straightness<S> {
         // Knots are means over curved arcs: what they may cost is no sign of a bend.
         let floor = S::ratio(1, 256);
+        // Capped where fixed point would run out of room.
+        let cap = S::from_i32(1_000);
         let (mut squares, mut steps, mut previous) = (S::ZERO, S::ZERO, None);
-        for (row, sight) in rows.iter().zip(sights) {
+        for (row, sight) in rows.iter().zip(sights).filter(|(_, sight)| sight.kept) {
             let sigma = sight.sigma_px / hypot(sight.sigma_px, floor);
-            // Capped where fixed point would run out of room; a hundred sigma say no more than thirty.
-            let cap = S::from_i32(1_000);
-            let off = self.residual(row) / self.unit * row.root_weight * sigma;
+            let off = self.deviation(row) * sigma;
             let off = off.min(cap).max(-cap);
             squares = squares + off * off;
             if let Some(previous) = previous {
@@ -205,22 +226,31 @@ impl<S: Scalar> Solution<S> {
             }
             previous = Some(off);
         }
-        let unknowns = 2;
-        let spare = rows.len().saturating_sub(unknowns);
-        if spare == 0 {
-            return;
-        }
+        // Bearing and inverse depth are free.
+        let kept = sights.iter().filter(|sight| sight.kept).count();
+        let Some(spare) = kept.checked_sub(2).filter(|spare| *spare > 0) else {
+            return Straightness { misfit: S::ZERO, significant: false, bent: false };
+        };
         let spare = S::from_i32(spare as i32);
         let variance = squares / spare;
-        estimate.misfit = variance.sqrt();
-        // Noise alone goes beyond four sigma of its own spread, sqrt(2/n), in no frame of a lifetime.
-        let significant = S::ONE + S::from_i32(4) * (S::ratio(2, 1) / spare).sqrt();
-        if variance > significant {
-            // Durbin and Watson: 2 for noise, near 0 for a curve.
-            let follows = steps < squares;
-            estimate.bent = follows && variance > S::from_i32(4) || variance > S::from_i32(25);
-            estimate.sigma_inverse_depth_per_m = (estimate.sigma_inverse_depth_per_m * estimate.misfit).min(S::UNKNOWN);
-            estimate.sigma_bearing = (estimate.sigma_bearing * estimate.misfit).min(S::UNKNOWN);
-        }
+        let significant = variance > chance_limit(spare);
+        // Durbin and Watson: 2 for noise, near 0 for a curve.
+        let follows = steps < squares;
+        let bent = significant && (follows && variance > S::from_i32(4) || variance > S::from_i32(25));
+        Straightness { misfit: variance.sqrt(), significant, bent }
     }
+}
+
+struct Straightness<S> {
+    misfit: S,
+    /// Larger than chance allows.
+    significant: bool,
+    bent: bool,
+}
+
+/// What the mean square of `count` unit variates exceeds once in 30000 times (Wilson and Hilferty at four sigma).
+fn chance_limit<S: Scalar>(count: S) -> S {
+    let part = S::ratio(2, 9) / count;
+    let root = S::ONE - part + S::from_i32(4) * part.sqrt();
+    root * root * root
 }

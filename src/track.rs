@@ -4,6 +4,7 @@ use core::iter::Peekable;
 
 use heapless::Vec;
 
+use crate::profile::{Neighbours, Profile};
 use crate::{Edge, Limits, Line, Polarity};
 
 /// What did not become part of a line.
@@ -26,11 +27,13 @@ pub struct Counters {
 /// other's nearest, within the gate, belong together. An edge that matches nothing begins a tentative line. Lines that
 /// have missed too many rows end; a full table refuses the newcomer, counts it, and never loses a confirmed line.
 ///
-/// *Cost*: per row a sort of the lines (which hardly change places) and one sweep over edges and lines together.
+/// *Cost*: per row a sort of the lines, and a sweep over edges and lines together for each polarity.
 #[derive(Debug)]
 pub struct Tracker<const LINES: usize, const KNOTS: usize> {
     tracks: [Option<Track<KNOTS>>; LINES],
     counters: Counters,
+    /// No place before this one is free.
+    occupied: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -40,7 +43,9 @@ struct Track<const KNOTS: usize> {
     /// Filtered column at the last edge's row, in 1/65536 px.
     column_q16: i64,
     /// Filtered slope in 1/65536 px per row of readout.
-    slope_q16: i64,
+    slope_q16: i32,
+    /// What the edge looks like, once it is confirmed and there are pixels to tell.
+    profile: Option<Profile>,
     missed_rows: u16,
 }
 
@@ -64,6 +69,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             state: State::Tentative,
             column_q16: i64::from(edge.column_q16),
             slope_q16: 0,
+            profile: None,
             missed_rows: 0,
         }
     }
@@ -76,7 +82,14 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let slope_q16 = i64::from(limits.max_slope_q16) / (edges * edges);
         let noise_q16 = 4 * i64::from(self.line.last().sigma_q16.min(1 << 24));
         let gate_q16 = i64::from(limits.gate_q16) + noise_q16 + slope_q16 * rows;
-        Prediction { column_q16: self.column_q16 + self.slope_q16 * rows, gate_q16: gate_q16.min(MAX_GATE_Q16) }
+        let column_q16 = self.column_q16 + i64::from(self.slope_q16) * rows;
+        Prediction { column_q16, gate_q16: gate_q16.min(MAX_GATE_Q16), coasting: false }
+    }
+
+    /// Four sigma of the noise, or two of the blur.
+    fn blur_q16(&self) -> i64 {
+        let last = self.line.last();
+        (4 * i64::from(last.sigma_q16)).max(i64::from(last.width_q8) << 9)
     }
 
     /// Takes an edge that matches: a line fit with fading memory, updated edge by edge.
@@ -86,11 +99,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
             return false;
         }
         let n = i64::from(self.line.edges()).min(MEMORY_EDGES);
-        let predicted = self.column_q16 + self.slope_q16 * rows;
+        let predicted = self.column_q16 + i64::from(self.slope_q16) * rows;
         let off = i64::from(edge.column_q16) - predicted;
         let count = n * (n + 1);
         self.column_q16 = predicted + off * (4 * n - 2) / count.max(1);
-        self.slope_q16 += 6 * off / (count * rows).max(1);
+        let slope = i64::from(self.slope_q16) + 6 * off / (count * rows).max(1);
+        self.slope_q16 = slope.clamp(-(1 << 30), 1 << 30) as i32;
         self.missed_rows = 0;
         if self.line.edges() >= limits.confirm_edges {
             self.state = State::Confirmed;
@@ -99,10 +113,38 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 }
 
+impl<const KNOTS: usize> Track<KNOTS> {
+    /// The edge in a row of pixels, from its profile.
+    fn locate(&mut self, prediction: &Prediction, at: RowTime, pixels: &[u8], around: Neighbours) -> Option<Edge> {
+        let profile = self.profile.as_mut()?;
+        let found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, around)?;
+        Some(found.at(at.row, at.time_ns))
+    }
+}
+
+/// A row and the middle of its exposure.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowTime {
+    pub(crate) row: u16,
+    pub(crate) time_ns: i64,
+}
+
+/// Where a line has been found: edges of its polarity near there are its own.
+struct Explained {
+    column_q16: i64,
+    reach_q16: i64,
+    polarity: Polarity,
+}
+
+/// Most that [`Explained::reach_q16`] can be.
+const MAX_REACH_Q16: i64 = 34 << 16;
+
 #[derive(Clone, Copy)]
 struct Prediction {
     column_q16: i64,
     gate_q16: i64,
+    /// So near to another line of its kind that an edge there could be of either: it takes none.
+    coasting: bool,
 }
 
 /// A line under way, as a row sees it.
@@ -111,13 +153,15 @@ struct Candidate {
     slot: usize,
     state: State,
     polarity: Polarity,
+    /// Within this distance two edges cannot be told apart: by their noise, or their blur.
+    blur_q16: i64,
 }
 
 /// A line or an edge on the way from left to right.
 #[derive(Clone, Copy)]
 enum Item {
     Edge(Edge),
-    Line { slot: usize, gate_q16: i64 },
+    Line { slot: usize, gate_q16: i64, coasting: bool },
 }
 
 /// An edge and a line that may belong together.
@@ -126,6 +170,7 @@ struct Pair {
     edge: Edge,
     slot: usize,
     distance_q16: i64,
+    coasting: bool,
 }
 
 /// What has become of an edge.
@@ -152,14 +197,14 @@ impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
     fn edge(&mut self, edge: Edge, settle: &mut impl FnMut(Settled)) {
         let column = i64::from(edge.column_q16);
         while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
-            self.advance(Some((line.column_q16, Item::Line { slot, gate_q16: line.gate_q16 })), settle);
+            self.advance(Some(item_of(&line, slot)), settle);
         }
         self.advance(Some((column, Item::Edge(edge))), settle);
     }
 
     fn finish(mut self, settle: &mut impl FnMut(Settled)) {
         while let Some((line, slot)) = self.lines.next() {
-            self.advance(Some((line.column_q16, Item::Line { slot, gate_q16: line.gate_q16 })), settle);
+            self.advance(Some(item_of(&line, slot)), settle);
         }
         self.advance(None, settle);
     }
@@ -188,12 +233,17 @@ impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
     }
 }
 
+fn item_of(line: &Prediction, slot: usize) -> (i64, Item) {
+    (line.column_q16, Item::Line { slot, gate_q16: line.gate_q16, coasting: line.coasting })
+}
+
 /// An edge and a line within the line's gate.
 fn pair_up(left: (i64, Item), right: (i64, Item)) -> Option<Pair> {
     let distance_q16 = right.0 - left.0;
     match (left.1, right.1) {
-        (Item::Edge(edge), Item::Line { slot, gate_q16 }) | (Item::Line { slot, gate_q16 }, Item::Edge(edge)) => {
-            (distance_q16 <= gate_q16).then_some(Pair { edge, slot, distance_q16 })
+        (Item::Edge(edge), Item::Line { slot, gate_q16, coasting })
+        | (Item::Line { slot, gate_q16, coasting }, Item::Edge(edge)) => {
+            (distance_q16 <= gate_q16).then_some(Pair { edge, slot, distance_q16, coasting })
         }
         _ => None,
     }
@@ -204,17 +254,83 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     #[must_use]
     pub const fn new() -> Self {
         let counters = Counters { dropped_edges: 0, dropped_lines: 0, stray_edges: 0 };
-        Self { tracks: [const { None }; LINES], counters }
+        Self { tracks: [const { None }; LINES], counters, occupied: 0 }
     }
 
     /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
     /// be left out, rows without edges should be given, since lines end by missing rows.
     pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
+        self.occupied = 0;
         let predictions = self.predictions(limits, row);
         for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
             self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
         }
         self.count_missed(limits, row);
+    }
+
+    /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
+    /// of those that the row shows on its own. To be called before [`Tracker::row`] takes the rest.
+    pub(crate) fn refine<const EDGES: usize>(
+        &mut self,
+        limits: &Limits,
+        at: RowTime,
+        pixels: &[u8],
+        edges: &mut Vec<Edge, EDGES>,
+    ) {
+        let mut explained: Vec<Explained, LINES> = Vec::new();
+        // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
+        let mut candidates = self.predictions(limits, at.row);
+        candidates.retain(|candidate| candidate.state == State::Confirmed);
+        for (index, candidate) in candidates.iter().enumerate() {
+            let Some(Some(track)) = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting)
+            else {
+                continue;
+            };
+            let column = |other: Option<&Candidate>| other.map(|other| other.prediction.column_q16);
+            let around = Neighbours {
+                left_q16: column(index.checked_sub(1).and_then(|i| candidates.get(i)))
+                    .unwrap_or(Neighbours::NONE.left_q16),
+                right_q16: column(candidates.get(index + 1)).unwrap_or(Neighbours::NONE.right_q16),
+            };
+            if let Some(edge) = track.locate(&candidate.prediction, at, pixels, around) {
+                let reach_q16 = (5 << 16) / 2 + i64::from(edge.width_q8) * 640;
+                if track.take(edge, limits) {
+                    let (column_q16, polarity) = (i64::from(edge.column_q16), edge.polarity);
+                    // One per line at most.
+                    let _ = explained.push(Explained { column_q16, reach_q16, polarity });
+                }
+            }
+        }
+        explained.sort_unstable_by_key(|explained| explained.column_q16);
+        let mut nearby = 0;
+        edges.retain(|edge| {
+            let column = i64::from(edge.column_q16);
+            nearby += explained.iter().skip(nearby).take_while(|e| e.column_q16 + MAX_REACH_Q16 < column).count();
+            !explained
+                .iter()
+                .skip(nearby)
+                .take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column)
+                .any(|e| e.polarity == edge.polarity && (e.column_q16 - column).abs() <= e.reach_q16)
+        });
+    }
+
+    /// Learns what newly confirmed lines look like from the row that they were last seen in.
+    pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
+        for track in self.tracks.iter_mut().flatten() {
+            if track.state == State::Confirmed && track.profile.is_none() && track.line.last().row == row {
+                track.profile = Profile::new(pixels, track.line.last(), Neighbours::NONE, noise_q8);
+            }
+        }
+    }
+
+    /// Forgets all lines under way, counting their edges as stray: the frame is torn.
+    pub(crate) fn abandon(&mut self) {
+        for slot in &mut self.tracks {
+            if let Some(track) = slot.as_ref().filter(|track| track.state != State::Ended) {
+                self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(track.line.edges()));
+                *slot = None;
+            }
+        }
     }
 
     /// Ends all confirmed lines and forgets the tentative ones.
@@ -245,12 +361,28 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let mut predictions: Vec<_, LINES> = Vec::new();
         for (slot, track) in self.tracks.iter().enumerate() {
             // One per slot at most.
-            if let Some(track) = track.as_ref().filter(|track| track.state != State::Ended) {
+            let under_way = |track: &&Track<KNOTS>| track.state != State::Ended && track.line.last().row != row;
+            if let Some(track) = track.as_ref().filter(under_way) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
-                let _ = predictions.push(Candidate { prediction: track.predict(row, limits), slot, state, polarity });
+                let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
+                let _ = predictions.push(Candidate { prediction, slot, state, polarity, blur_q16 });
             }
         }
         predictions.sort_unstable_by_key(|candidate| candidate.prediction.column_q16);
+        let mut rest: &mut [Candidate] = &mut predictions;
+        while let Some((first, others)) = rest.split_first_mut() {
+            if let Some(second) =
+                others.iter_mut().find(|other| other.state == first.state && other.polarity == first.polarity)
+            {
+                let near_q16 = first.blur_q16.max(second.blur_q16);
+                let apart_q16 = second.prediction.column_q16 - first.prediction.column_q16;
+                if first.state == State::Confirmed && apart_q16 < near_q16 {
+                    first.prediction.coasting = true;
+                    second.prediction.coasting = true;
+                }
+            }
+            rest = others;
+        }
         predictions
     }
 
@@ -285,6 +417,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     fn join(&mut self, pair: &Pair, limits: &Limits) {
+        if pair.coasting {
+            return;
+        }
         let taken = match self.tracks.get_mut(pair.slot) {
             Some(Some(track)) => track.take(pair.edge, limits),
             _ => false,
@@ -296,9 +431,16 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Begins a tentative line, if there is room.
     fn begin(&mut self, edge: Edge) {
-        match self.tracks.iter_mut().find(|track| track.is_none()) {
-            Some(free) => *free = Some(Track::new(edge)),
-            None => self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1),
+        let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, track)| track.is_none());
+        match free {
+            Some((slot, free)) => {
+                *free = Some(Track::new(edge));
+                self.occupied = slot + 1;
+            }
+            None => {
+                self.occupied = LINES;
+                self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
+            }
         }
     }
 
@@ -309,7 +451,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 continue;
             }
             track.missed_rows = track.missed_rows.saturating_add(1);
-            let gap = if track.state == State::Confirmed { limits.gap_rows } else { limits.tentative_gap_rows };
+            // The longer a line has been, the longer it may be hidden.
+            let gap = match track.state {
+                State::Tentative => limits.tentative_gap_rows,
+                _ => limits.gap_rows.saturating_add(track.line.edges() / 2),
+            };
             if track.missed_rows > gap {
                 finish(slot, &mut self.counters);
             }

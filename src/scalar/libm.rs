@@ -38,7 +38,7 @@ macro_rules! scalar_on_libm {
             }
 
             fn sqrt(self) -> Self {
-                if self > 0.0 { ::libm::$sqrt(self) } else { 0.0 }
+                if self <= 0.0 { 0.0 } else { ::libm::$sqrt(self) }
             }
 
             fn sin(self) -> Self {

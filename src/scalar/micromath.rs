@@ -77,7 +77,7 @@ impl Scalar for Micro {
             return Self(0.0);
         }
         if !self.0.is_finite() {
-            return self;
+            return self; // NaN too
         }
         // Newton halves the digits that are missing: 6 % become 2e-3, 2e-6, 2e-12.
         let mut root = F32Ext::sqrt(self.0);

@@ -61,7 +61,7 @@ pub trait Scalar:
     fn to_f64(self) -> f64;
     /// Neither NaN nor infinite nor at the end of the range.
     fn is_finite(self) -> bool;
-    /// Square root; zero for numbers that are not positive.
+    /// Square root; zero for negative numbers, NaN for NaN.
     fn sqrt(self) -> Self;
     /// Sine of an angle in radians.
     fn sin(self) -> Self;

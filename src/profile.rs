@@ -1,0 +1,307 @@
+//! [`Profile`]: what a tracked edge looks like, and where the next row has it.
+//!
+//! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its rows
+//! so far tell both levels and the blur, the maximum-likelihood estimate is one step from the prediction: the row minus
+//! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
+
+use crate::{Edge, Polarity, ScannedEdge};
+
+/// Levels, blur and noise of a tracked edge, running means over its rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Profile {
+    left_q8: u16,
+    right_q8: u16,
+    /// One sigma of the edge's blur.
+    blur_q8: u16,
+    rows: u16,
+    /// Variance of a pixel's noise, in 1/65536 square grey level.
+    noise_q16: u32,
+    /// Mean difference between a row's own level and the running mean, left and right.
+    unrest_q8: [u16; 2],
+    /// One sigma of the pixels' noise when the line was confirmed.
+    white_q8: u16,
+}
+
+/// What one row says, given the profile.
+struct Fit {
+    /// Column minus the expected one.
+    shift_q16: i64,
+    /// Blur minus the expected one.
+    widening_q8: i64,
+    /// Contrast as a part of the expected one, in 1/256.
+    amplitude_q8: i64,
+    /// Residual variance of a pixel.
+    residual_q16: i64,
+    sigma_q16: i64,
+    left_q8: Option<u16>,
+    right_q8: Option<u16>,
+}
+
+/// Of a sharp lens, half a pixel, and the pixel itself.
+const LEAST_BLUR_Q8: u16 = 148;
+/// What an edge is taken to be blurred at least before more is known.
+const USUAL_BLUR_Q8: u16 = 195;
+const MOST_BLUR_Q8: u16 = 12 << 8;
+/// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Neighbours {
+    pub(crate) left_q16: i64,
+    pub(crate) right_q16: i64,
+}
+
+impl Neighbours {
+    /// None near enough to matter.
+    pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+}
+
+/// Pixels of plateau on either side that tell its level.
+const PLATEAU: i32 = 4;
+/// Least contrast in 1/256 grey level.
+const LEAST_CONTRAST_Q8: i32 = 4 << 8;
+/// Rounding to whole grey levels alone.
+const LEAST_NOISE_Q16: u32 = 65536 / 12;
+
+impl Profile {
+    /// From an edge that a row shows on its own.
+    pub(crate) fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let blur_q8 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8);
+        let left_q8 = plateau(pixels, edge.column_q16, blur_q8, Side::Left, around)?;
+        let right_q8 = plateau(pixels, edge.column_q16, blur_q8, Side::Right, around)?;
+        let noise_q16 = noise_q8.saturating_mul(noise_q8);
+        let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
+        let noise_q16 = noise_q16.max(LEAST_NOISE_Q16);
+        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
+        (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
+    }
+
+    fn contrast_q8(&self) -> i32 {
+        i32::from(self.right_q8) - i32::from(self.left_q8)
+    }
+
+    /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
+    pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
+        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+        let found = profile.locate(pixels, i64::from(edge.column_q16), i64::from(u16::MAX), around)?;
+        Some(Edge { column_q16: found.column_q16, sigma_q16: found.sigma_q16 + found.sigma_q16 / 4, ..*edge })
+    }
+
+    /// The edge near the expected column, and a better profile; `None` where the row shows something else.
+    pub(crate) fn locate(
+        &mut self,
+        pixels: &[u8],
+        expected_q16: i64,
+        gate_q16: i64,
+        around: Neighbours,
+    ) -> Option<ScannedEdge> {
+        let expected = i32::try_from(expected_q16).ok()?;
+        let mut fit = self.fit(pixels, expected, around)?;
+        let blur_q16 = i64::from(self.blur_q8) << 8;
+        // One step is exact only near the expected column.
+        if fit.shift_q16.abs() > blur_q16 / 4 {
+            let nearer = expected_q16 + fit.shift_q16.clamp(-blur_q16, blur_q16);
+            fit = self.fit(pixels, i32::try_from(nearer).ok()?, around)?;
+            fit.shift_q16 += nearer - expected_q16;
+        }
+        let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 2)
+            && (128..=512).contains(&fit.amplitude_q8)
+            && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
+        if !fits {
+            return None;
+        }
+        self.learn(&fit);
+        Some(ScannedEdge {
+            column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
+            sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
+            width_q8: self.blur_q8,
+            contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
+        })
+    }
+
+    fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
+        let reach_q16 = (3 * i64::from(self.blur_q8) + 256) << 8;
+        let expected = i64::from(expected_q16);
+        // Half the way to a neighbour is this edge's own.
+        let from = ((expected - reach_q16).max((expected + around.left_q16) / 2) + 65535) >> 16;
+        let to = ((expected + reach_q16).min((expected + around.right_q16) / 2) >> 16) + 1;
+        let (from, to) = (from.max(0), to.min(pixels.len() as i64));
+        let window = pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?)?;
+        let left_q8 = plateau(pixels, expected_q16, self.blur_q8, Side::Left, around);
+        let right_q8 = plateau(pixels, expected_q16, self.blur_q8, Side::Right, around);
+        let [left_unrest, right_unrest] = self.unrest_q8;
+        let left = self.level(left_q8, self.left_q8, left_unrest);
+        let right = self.level(right_q8, self.right_q8, right_unrest);
+        let contrast = right - left;
+        // The same kind of edge: half to twice as strong, of the same sign.
+        let usual = i64::from(self.contrast_q8());
+        if contrast * usual.signum() * 2 < usual.abs() || contrast.abs() > 2 * usual.abs() {
+            return None;
+        }
+        let middle_q8 = (left + right) / 2;
+        let per_blur_q16 = (1_i64 << 24) / i64::from(self.blur_q8.max(1));
+        let mut sums = Sums::default();
+        for (index, pixel) in window.iter().enumerate() {
+            let off_q8 = ((from + index as i64) << 8) - i64::from(expected_q16 >> 8);
+            let z_q8 = (off_q8 * per_blur_q16) >> 16;
+            let (density, cumulative) = normal(z_q8);
+            let value_q8 = i64::from(*pixel) << 8;
+            let expected_q8 = left + ((contrast * cumulative) >> 15);
+            sums.add(
+                value_q8 - expected_q8,
+                density,
+                (density * z_q8) >> 8,
+                cumulative - (1 << 14),
+                value_q8 - middle_q8,
+            );
+        }
+        let count = window.len() as i64;
+        // Both flanks must be in view.
+        if count < 4 || sums.slope_slope < (1 << 24) {
+            return None;
+        }
+        let blur_q16 = i64::from(self.blur_q8) << 8;
+        let per = |sum: i64, square: i64| -> Option<i64> { (-blur_q16 * sum).checked_div(contrast * (square >> 15)) };
+        let shift_q16 = per(sums.residual_slope, sums.slope_slope)?;
+        let widening_q8 = per(sums.residual_width, sums.width_width.max(1 << 15))? >> 8;
+        let per_slope = sums.residual_slope.checked_div((sums.slope_slope >> 15).max(1))?;
+        let explained = (per_slope * sums.residual_slope) >> 15;
+        let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 2).max(1);
+        let noise_q8 = i64::from(self.noise_q16.isqrt());
+        let sigma_q16 =
+            ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;
+        Some(Fit {
+            shift_q16,
+            widening_q8,
+            amplitude_q8: ((sums.step_value << 15).checked_div(sums.step_step)? << 8).checked_div(contrast)?,
+            residual_q16,
+            sigma_q16,
+            left_q8,
+            right_q8,
+        })
+    }
+
+    /// The level to expect: the running mean, or the row's own where it is another one, as at the end of an object, where its
+    /// brightness fades and the mean would shift the edge.
+    fn level(&self, row_q8: Option<u16>, mean_q8: u16, unrest_q8: u16) -> i64 {
+        let noise_q8 = self.noise_q16.isqrt();
+        // Noise alone makes it 0.4 sigma for a mean over four pixels.
+        let restless = u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5;
+        match row_q8 {
+            // Three sigma of a mean over four pixels.
+            Some(row) if restless || u32::from(row.abs_diff(mean_q8)) > noise_q8 * 3 / 2 => i64::from(row),
+            _ => i64::from(mean_q8),
+        }
+    }
+
+    /// Running means: an eighth of each new row, more at first.
+    fn learn(&mut self, fit: &Fit) {
+        self.rows = self.rows.saturating_add(1);
+        let rows = i64::from(self.rows);
+        let [left_unrest, right_unrest] = &mut self.unrest_q8;
+        if let Some(level) = fit.left_q8 {
+            *left_unrest = toward(*left_unrest, i64::from(level.abs_diff(self.left_q8)), rows.min(16));
+            self.left_q8 = toward(self.left_q8, i64::from(level), rows.min(8));
+        }
+        if let Some(level) = fit.right_q8 {
+            *right_unrest = toward(*right_unrest, i64::from(level.abs_diff(self.right_q8)), rows.min(16));
+            self.right_q8 = toward(self.right_q8, i64::from(level), rows.min(8));
+        }
+        let blur = i64::from(self.blur_q8);
+        let wider = blur + fit.widening_q8.clamp(-blur / 2, blur);
+        self.blur_q8 = toward(self.blur_q8, wider, rows.min(16)).clamp(LEAST_BLUR_Q8, MOST_BLUR_Q8);
+        let noise = i64::from(self.noise_q16);
+        let residual = fit.residual_q16.min(4 * noise + (1 << 16));
+        self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
+    }
+}
+
+/// One part of `parts` of the way to `to`.
+fn toward(from: u16, to: i64, parts: i64) -> u16 {
+    let step = (to - i64::from(from)) / parts.max(1);
+    (i64::from(from) + step).clamp(0, i64::from(u16::MAX)) as u16
+}
+
+/// Inner products of residual r, slope of the profile φ, its change with the blur φz, and the step itself.
+#[derive(Default)]
+struct Sums {
+    residual_residual: i64,
+    residual_slope: i64,
+    residual_width: i64,
+    slope_slope: i64,
+    width_width: i64,
+    step_step: i64,
+    step_value: i64,
+}
+
+impl Sums {
+    fn add(&mut self, residual: i64, slope: i64, width: i64, step: i64, value: i64) {
+        self.residual_residual += residual * residual;
+        self.residual_slope += residual * slope;
+        self.residual_width += residual * width;
+        self.slope_slope += slope * slope;
+        self.width_width += width * width;
+        self.step_step += step * step;
+        self.step_value += step * value;
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// Mean brightness beyond the blur on one side, in 1/256 grey level: up to where a neighbour's blur begins, or the pixel
+/// half way to it where the two blurs meet.
+fn plateau(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<u16> {
+    let column = i64::from(column_q16);
+    let clear_q16 = (5 * i64::from(blur_q8) / 2 + 128) << 8;
+    let length_q16 = i64::from(PLATEAU) << 16;
+    let (near, far, half_way) = match side {
+        Side::Left => {
+            let near = column - clear_q16;
+            (near, (near - length_q16).max(around.left_q16 + clear_q16), (column + around.left_q16) / 2)
+        }
+        Side::Right => {
+            let near = column + clear_q16;
+            (near, (near + length_q16).min(around.right_q16 - clear_q16), (column + around.right_q16) / 2)
+        }
+    };
+    let room = if side == Side::Left { near >= far } else { near <= far };
+    let (from, to) = if room { (near.min(far), near.max(far)) } else { (half_way, half_way) };
+    let from = ((from + (1 << 15)) >> 16).max(0);
+    let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
+    let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
+    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
+    u16::try_from((sum << 8).checked_div(window.len() as u32)?).ok()
+}
+
+/// Density and cumulative normal distribution at z (1/256), in 1/32768.
+fn normal(z_q8: i64) -> (i64, i64) {
+    let size = z_q8.unsigned_abs();
+    let (index, part) = ((size >> 4) as usize, (size & 15) as i64);
+    let between = |table: &[u16; 66], beyond: i64| match (table.get(index), table.get(index + 1)) {
+        (Some(a), Some(b)) => (i64::from(*a) * (16 - part) + i64::from(*b) * part) >> 4,
+        _ => beyond,
+    };
+    let cumulative = between(&CUMULATIVE_Q15, 1 << 15);
+    (between(&DENSITY_Q15, 0), if z_q8 < 0 { (1 << 15) - cumulative } else { cumulative })
+}
+
+/// Density of the normal distribution at k/16, in 1/32768.
+const DENSITY_Q15: [u16; 66] = [
+    13_073, 13_047, 12_971, 12_845, 12_670, 12_450, 12_185, 11_879, 11_536, 11_160, 10_753, 10_321, 9868, 9397, 8915,
+    8424, 7929, 7434, 6943, 6459, 5985, 5524, 5079, 4652, 4244, 3857, 3491, 3148, 2827, 2529, 2254, 2001, 1769, 1558,
+    1367, 1195, 1040, 902, 779, 670, 574, 490, 417, 353, 298, 250, 210, 175, 145, 120, 99, 81, 66, 54, 44, 36, 29, 23,
+    18, 15, 12, 9, 7, 6, 4, 3,
+];
+
+/// Cumulative normal distribution at k/16, in 1/32768.
+const CUMULATIVE_Q15: [u16; 66] = [
+    16_384, 17_201, 18_014, 18_821, 19_618, 20_404, 21_174, 21_926, 22_658, 23_367, 24_052, 24_711, 25_342, 25_944,
+    26_516, 27_058, 27_569, 28_049, 28_499, 28_917, 29_306, 29_666, 29_997, 30_301, 30_579, 30_832, 31_061, 31_269,
+    31_455, 31_623, 31_772, 31_905, 32_023, 32_126, 32_218, 32_298, 32_367, 32_428, 32_480, 32_526, 32_565, 32_598,
+    32_626, 32_650, 32_670, 32_687, 32_702, 32_714, 32_724, 32_732, 32_739, 32_744, 32_749, 32_753, 32_756, 32_758,
+    32_760, 32_762, 32_763, 32_764, 32_765, 32_766, 32_766, 32_767, 32_767, 32_767,
+];

@@ -1,0 +1,175 @@
+//! [`Simulator`]: a scene, a camera and its motion; pixel rows and the truth.
+
+use heapless::Vec;
+
+use super::layer::{Layer, RowView};
+use super::noise::{RowNoise, hash, mix};
+use super::texture::RowTexture;
+use super::view::{Lens, Vector, View};
+use super::{Exposure, Scene, Truth, truth};
+use crate::{Camera, Distortion, Motion, ParameterError, Readout, Twist};
+
+/// Yields the pixel rows that a rolling-shutter camera would record of a [`Scene`].
+///
+/// The motion goes on for ever: [`Simulator::at_frame`] moves on to later frames. All random numbers depend on seed,
+/// frame, row and column only, so rows may come in any order and as often as liked.
+#[derive(Clone, Debug)]
+pub struct Simulator<'a, const OBJECTS: usize> {
+    scene: &'a Scene<OBJECTS>,
+    lens: Lens,
+    columns: u16,
+    readout: Readout,
+    velocity_m_s: Vector,
+    rate_rad_s: Vector,
+    gravity: Vector,
+    exposure: Exposure,
+    seed: u64,
+    frame: u32,
+    start_ns: i64,
+}
+
+impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
+    /// At frame 0, which starts at time zero. `motion` is in the axes of its start, as are the objects of the scene.
+    ///
+    /// *Errors*: a camera with distortion, which is not simulated; a readout with other rows than the camera; an exposure
+    /// outside the limits of its fields.
+    pub fn new(
+        scene: &'a Scene<OBJECTS>,
+        camera: &Camera<f32>,
+        readout: &Readout,
+        motion: &Twist<f32>,
+        exposure: Exposure,
+        seed: u64,
+    ) -> Result<Self, ParameterError> {
+        if *camera.distortion() != Distortion::NONE {
+            let largest = camera
+                .distortion()
+                .to_opencv()
+                .into_iter()
+                .fold(0.0, |a: f32, b| if b.abs() > a.abs() { b } else { a });
+            return Err(ParameterError::new(
+                "distortion",
+                f64::from(largest),
+                "none: the simulator has no lens but a pinhole",
+            ));
+        }
+        let intrinsics = camera.intrinsics();
+        if readout.rows() != intrinsics.rows {
+            let expected = "the number of rows of the camera's image";
+            return Err(ParameterError::new("rows of the readout", f64::from(readout.rows()), expected));
+        }
+        exposure.check()?;
+        Ok(Self {
+            scene,
+            lens: Lens::new(intrinsics),
+            columns: intrinsics.columns,
+            readout: *readout,
+            velocity_m_s: motion.velocity_m_s().map(f64::from),
+            rate_rad_s: motion.rate_rad_s().map(f64::from),
+            gravity: motion.gravity().map(f64::from),
+            exposure,
+            seed,
+            frame: 0,
+            start_ns: 0,
+        })
+    }
+
+    /// The same, at another frame: its number, which only picks the noise, and the time of its start (the middle of the
+    /// exposure of the row read first) in nanoseconds since the start of frame 0.
+    #[must_use]
+    pub const fn at_frame(self, frame: u32, start_ns: i64) -> Self {
+        Self { frame, start_ns, ..self }
+    }
+
+    /// The camera's motion in the axes of *this* frame's start, as a range finder wants it; frame 0 has what was given.
+    ///
+    /// *Errors*: none but where turning drives one component of an extreme velocity beyond the limit of [`Twist`].
+    pub fn motion(&self) -> Result<Twist<f32>, ParameterError> {
+        let view = self.view(0.0);
+        let turned = |vector| view.direction(vector).map(|component| component as f32);
+        Twist::new(turned(self.velocity_m_s), self.rate_rad_s.map(|rate| rate as f32), turned(self.gravity))
+    }
+
+    /// Fills one row of the image, from column 0 on: as many pixels as the image has columns, or as there is room for;
+    /// the rest stays as it is. A row outside the image counts as the last one.
+    ///
+    /// *Cost*: for each object three projections of two lines in double precision; for each column one hash and a few
+    /// operations for each object; for each pixel within reach of an edge (4.5 sigma of the lens and half of the motion
+    /// blur) one or two pairs of `erfcf` and `expf`. *Stack*: about 100 bytes for each of `OBJECTS`.
+    pub fn row(&self, row: u16, pixels: &mut [u8]) {
+        let row = self.nearest_row(row);
+        let view = self.row_view(row);
+        let [_, middle, _] = &view.views;
+        let mut background = RowTexture::new(self.scene.background(), middle, &self.lens, f64::from(row));
+        let mut layers: Vec<Layer, OBJECTS> = Vec::new();
+        for layer in self.scene.objects().iter().filter_map(|object| Layer::new(object, &view)) {
+            // There are no more layers than objects, so there is room.
+            layers.push(layer).ok();
+        }
+        let frame_key = hash(mix(self.seed), u64::from(self.frame));
+        let mut noise = RowNoise::new(&self.exposure, frame_key, row);
+        for (column, pixel) in (0..self.columns).zip(pixels) {
+            let x = f32::from(column);
+            let level = layers.iter_mut().fold(background.level(x), |behind, layer| layer.cover(x, behind));
+            *pixel = noise.quantise(column, level);
+        }
+    }
+
+    /// The edges of the bars that this frame shows, left before right, the farthest bar first. Those that no row shows
+    /// are left out.
+    ///
+    /// *Cost*: for each edge and each row of the image one projection of every nearer object in double
+    /// precision; up to a few milliseconds on a desktop.
+    pub fn truth(&self) -> impl Iterator<Item = Truth> + '_ {
+        truth::edges(self)
+    }
+
+    pub(super) const fn scene(&self) -> &'a Scene<OBJECTS> {
+        self.scene
+    }
+
+    pub(super) const fn lens(&self) -> &Lens {
+        &self.lens
+    }
+
+    pub(super) const fn columns(&self) -> u16 {
+        self.columns
+    }
+
+    pub(super) const fn rows(&self) -> u16 {
+        self.readout.rows()
+    }
+
+    pub(super) const fn gravity(&self) -> Vector {
+        self.gravity
+    }
+
+    /// The camera some time after the start of this frame.
+    pub(super) fn view(&self, time_s: f64) -> View {
+        View::after(self.start_ns as f64 * 1e-9 + time_s, self.velocity_m_s, self.rate_rad_s)
+    }
+
+    /// Seconds from the start of the frame to the middle of the row's exposure.
+    pub(super) fn row_time_s(&self, row: u16) -> f64 {
+        self.readout.row_time_ns(row) as f64 * 1e-9
+    }
+
+    fn row_view(&self, row: u16) -> RowView<'_> {
+        let time_s = self.row_time_s(row);
+        let half = 0.5 * f64::from(self.exposure.time_s);
+        let middle = self.view(time_s);
+        let views = if half > 0.0 { [self.view(time_s - half), middle, self.view(time_s + half)] } else { [middle; 3] };
+        RowView {
+            lens: &self.lens,
+            views,
+            gravity: self.gravity,
+            exposure: &self.exposure,
+            columns: self.columns,
+            row: f64::from(row),
+        }
+    }
+
+    fn nearest_row(&self, row: u16) -> u16 {
+        row.min(self.rows().saturating_sub(1))
+    }
+}
