@@ -168,8 +168,13 @@ impl Profile {
         let explained = (per_slope * sums.residual_slope) >> 15;
         let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 2).max(1);
         let noise_q8 = i64::from(self.noise_q16.isqrt());
-        let sigma_q16 =
+        let of_noise_q16 =
             ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;
+        // A level that is wrong by u shifts the edge by u σ/(0.56 A): beside texture, no plateau tells the level at the edge.
+        let restless =
+            self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
+        let of_texture_q16 = (2 * restless.sum::<i64>() * blur_q16).checked_div(contrast.abs())?;
+        let sigma_q16 = ((of_noise_q16 * of_noise_q16 + of_texture_q16 * of_texture_q16) as u64).isqrt() as i64;
         Some(Fit {
             shift_q16,
             widening_q8,
@@ -181,15 +186,20 @@ impl Profile {
         })
     }
 
+    /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
+    fn is_restless(&self, unrest_q8: u16) -> bool {
+        u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
+    }
+
     /// The level to expect: the running mean, or the row's own where it is another one, as at the end of an object, where its
     /// brightness fades and the mean would shift the edge.
     fn level(&self, row_q8: Option<u16>, mean_q8: u16, unrest_q8: u16) -> i64 {
         let noise_q8 = self.noise_q16.isqrt();
-        // Noise alone makes it 0.4 sigma for a mean over four pixels.
-        let restless = u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5;
         match row_q8 {
             // Three sigma of a mean over four pixels.
-            Some(row) if restless || u32::from(row.abs_diff(mean_q8)) > noise_q8 * 3 / 2 => i64::from(row),
+            Some(row) if self.is_restless(unrest_q8) || u32::from(row.abs_diff(mean_q8)) > noise_q8 * 3 / 2 => {
+                i64::from(row)
+            }
             _ => i64::from(mean_q8),
         }
     }
@@ -201,11 +211,11 @@ impl Profile {
         let [left_unrest, right_unrest] = &mut self.unrest_q8;
         if let Some(level) = fit.left_q8 {
             *left_unrest = toward(*left_unrest, i64::from(level.abs_diff(self.left_q8)), rows.min(16));
-            self.left_q8 = toward(self.left_q8, i64::from(level), rows.min(8));
+            self.left_q8 = toward(self.left_q8, i64::from(level), rows.min(32));
         }
         if let Some(level) = fit.right_q8 {
             *right_unrest = toward(*right_unrest, i64::from(level.abs_diff(self.right_q8)), rows.min(16));
-            self.right_q8 = toward(self.right_q8, i64::from(level), rows.min(8));
+            self.right_q8 = toward(self.right_q8, i64::from(level), rows.min(32));
         }
         let blur = i64::from(self.blur_q8);
         let wider = blur + fit.widening_q8.clamp(-blur / 2, blur);
@@ -257,7 +267,8 @@ enum Side {
 fn plateau(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<u16> {
     let column = i64::from(column_q16);
     let clear_q16 = (5 * i64::from(blur_q8) / 2 + 128) << 8;
-    let length_q16 = i64::from(PLATEAU) << 16;
+    // The longer the blur, the more a wrong level shifts the edge.
+    let length_q16 = (i64::from(PLATEAU) << 16) + (i64::from(blur_q8) << 9);
     let (near, far, half_way) = match side {
         Side::Left => {
             let near = column - clear_q16;
