@@ -6,6 +6,8 @@ use shutter_range::{
     Twist, Uncertainty, fit,
 };
 
+use crate::scenes::seeded;
+
 use crate::projection::Scene;
 
 const GOOD: Intrinsics<f64> = Intrinsics { columns: 640, rows: 480, fx: 600.0, fy: 600.0, cx: 319.5, cy: 239.5 };
@@ -134,7 +136,7 @@ fn samples() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(seeded(300))]
 
     /// Any stream of edges whatever: no panic, and every number that comes out is finite.
     #[test]

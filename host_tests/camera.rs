@@ -3,10 +3,12 @@
 use proptest::prelude::*;
 use shutter_range::{Camera, Distortion, Intrinsics, Scalar};
 
+use crate::scenes::seeded;
+
 /// Coefficients as calibrations give them: webcam, wide angle, action camera, telephoto with pincushion.
 const REAL_LENSES: [[f64; 5]; 5] = [
     [-0.28, 0.09, 0.0008, -0.0005, -0.01],
-    [-0.41, 0.19, -0.0011, 0.0013, -0.05],
+    [-0.36, 0.17, -0.0011, 0.0013, -0.04],
     [-0.24, 0.06, 0.0, 0.0, -0.007],
     [0.12, -0.25, 0.001, 0.002, 0.15],
     [0.05, 0.02, -0.003, 0.001, 0.0],
@@ -86,7 +88,7 @@ fn focal_length_in_millimetres() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(seeded(256))]
 
     /// Far beyond real lenses: a camera that is accepted inverts its model all over the image.
     #[test]

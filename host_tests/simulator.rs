@@ -7,7 +7,7 @@ use shutter_range::{
 };
 
 use crate::projection;
-use crate::scenes::range_of;
+use crate::scenes::{range_of, seeded};
 
 /// A white half-plane, whose left edge is the edge of a projected scene, before black.
 fn half_plane(world: &projection::Scene) -> Scene<1> {
@@ -576,7 +576,7 @@ fn objects() -> impl Strategy<Value = Object> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(seeded(2000))]
 
     /// Whatever is accepted renders, without a panic and between the levels of the scene.
     #[test]

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use shutter_range::{Edge, Range, ReadoutDirection, Uncertainty};
 
 use crate::projection::Scene;
-use crate::scenes::{line_of, range_of};
+use crate::scenes::{line_of, range_of, seeded};
 
 /// Scenes in which the edge stays in the image and moves by a few pixels at least.
 fn scenes() -> impl Strategy<Value = Scene> {
@@ -38,7 +38,7 @@ fn mirrored_edge(scene: &Scene, edge: &Edge) -> Edge {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(seeded(200))]
 
     #[test]
     fn the_depth_is_found(scene in scenes()) {

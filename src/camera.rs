@@ -203,7 +203,7 @@ impl<S: Scalar> Camera<S> {
         // 1e-4 px, or what the type resolves.
         let tolerance = (self.per_fx * S::ratio(1, 10_000)).max(S::EPSILON * S::from_i32(32));
         // A fold squeezes its surroundings to nothing; keep clear of it, since it may come nearer between the spokes.
-        let squeezed = there.determinant() < S::ratio(1, 16);
+        let squeezed = there.determinant() < S::ratio(1, 8);
         let [u, w] = ideal.point;
         if off <= tolerance && !squeezed { (u * u + w * w).sqrt() } else { S::ZERO }
     }
