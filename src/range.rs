@@ -22,6 +22,8 @@ pub struct Range<S> {
     /// Column of the fitted edge at `first_row`, in recorded (distorted) pixels; that of the edge point itself where
     /// nothing could be fitted.
     pub column_at_first_row: S,
+    /// The same at `last_row`.
+    pub column_at_last_row: S,
     /// Number of edge points.
     pub edges: u16,
     /// Dark to bright or bright to dark, from left to right.
@@ -35,19 +37,21 @@ impl<S: Scalar> Range<S> {
     #[must_use]
     pub fn of_line<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
         let (first, last) = (line.first(), line.last());
-        let top = if first.row <= last.row { first } else { last };
+        let (top, bottom) = if first.row <= last.row { (first, last) } else { (last, first) };
         let mut range = Self {
             status: RangeStatus::Short,
             estimate: Estimate::nothing(),
             first_row: top.row,
             last_row: first.row.max(last.row),
             column_at_first_row: top.column_px(),
+            column_at_last_row: bottom.column_px(),
             edges: line.edges(),
             polarity: first.polarity,
         };
         match fit_line::<S, M, KNOTS>(setup, motion, line.samples()) {
             Ok((estimate, edge)) => {
                 range.column_at_first_row = column_at(setup, motion, &edge, top);
+                range.column_at_last_row = column_at(setup, motion, &edge, bottom);
                 range.status =
                     if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() };
                 range.estimate = estimate;

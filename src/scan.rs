@@ -118,7 +118,8 @@ impl Scanner {
     /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly
     /// disturb: an upright edge is in the same place row after row.
     fn learn(&mut self, pixels: &[u8]) {
-        let every = if self.rows == 0 { 1 } else { 4 };
+        // Eight pairs a row are plenty.
+        let every = if self.rows == 0 { 1 } else { (pixels.len() / (16 * BLOCK)).max(2) };
         let first = self.rows as usize % every;
         let pairs = || pixels.chunks_exact(2 * BLOCK).skip(first).step_by(every);
         if self.rows == 0 {
@@ -181,21 +182,26 @@ fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
 
 /// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
 fn coarse(pixels: &[u8], limit: u32, mut stretch: impl FnMut(usize, usize)) {
+    let limit = u16::try_from(limit).unwrap_or(u16::MAX);
     let mut open: Option<(usize, usize)> = None;
-    let mut last: Option<u32> = None;
+    let mut last: Option<u16> = None;
     let mut at = 0;
     for group in pixels.chunks(BLOCK * GROUP) {
-        let mut sums = [0_u32; GROUP];
-        let blocks = group.chunks_exact(BLOCK);
-        let filled = blocks.len();
-        for (sum, block) in sums.iter_mut().zip(blocks) {
-            *sum = u32::from(block.iter().map(|pixel| u16::from(*pixel)).sum::<u16>());
+        // The sum before, then those of the group; both loops are simple enough for vector instructions.
+        let mut sums = [0_u16; GROUP + 1];
+        let filled = group.len() / BLOCK;
+        for (sum, block) in sums.iter_mut().skip(1).zip(group.chunks_exact(BLOCK)) {
+            *sum = block.iter().map(|pixel| u16::from(*pixel)).sum();
         }
+        let [before, first, ..] = &mut sums;
+        *before = last.unwrap_or(*first);
+        last = sums.get(filled).copied();
+        let steps = || sums.iter().zip(sums.iter().skip(1)).take(filled).map(|(a, b)| a.abs_diff(*b));
         let mut differing = 0_u64;
-        for (index, block) in sums.iter().take(filled).enumerate() {
-            let step = block.abs_diff(last.unwrap_or(*block));
-            differing |= u64::from(step > limit) << index;
-            last = Some(*block);
+        if steps().fold(0, u16::max) > limit {
+            for (index, step) in steps().enumerate() {
+                differing |= u64::from(step > limit) << index;
+            }
         }
         while differing != 0 {
             let block = at + differing.trailing_zeros() as usize;

@@ -32,6 +32,9 @@ pub struct Counters {
 pub struct Tracker<const LINES: usize, const KNOTS: usize> {
     tracks: [Option<Track<KNOTS>>; LINES],
     counters: Counters,
+    /// Places of the lines under way and of those that wait to be taken.
+    under_way: Vec<u16, LINES>,
+    ended: Vec<u16, LINES>,
     /// No place before this one is free.
     occupied: usize,
 }
@@ -53,8 +56,6 @@ struct Track<const KNOTS: usize> {
 enum State {
     Tentative,
     Confirmed,
-    /// Complete, waiting to be taken.
-    Ended,
 }
 
 /// The filter's gain falls with the number of edges down to this one's, so that it can follow a curve.
@@ -84,6 +85,20 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let gate_q16 = i64::from(limits.gate_q16) + noise_q16 + slope_q16 * rows;
         let column_q16 = self.column_q16 + i64::from(self.slope_q16) * rows;
         Prediction { column_q16, gate_q16: gate_q16.min(MAX_GATE_Q16), coasting: false }
+    }
+
+    /// Counts a row without an edge.
+    fn has_missed_too_many(&mut self, limits: &Limits, row: u16) -> bool {
+        if self.line.last().row == row {
+            return false;
+        }
+        self.missed_rows = self.missed_rows.saturating_add(1);
+        // The longer a line has been, the longer it may be hidden.
+        let gap = match self.state {
+            State::Tentative => limits.tentative_gap_rows,
+            State::Confirmed => limits.gap_rows.saturating_add(self.line.edges() / 2),
+        };
+        self.missed_rows > gap
     }
 
     /// Four sigma of the noise, or two of the blur.
@@ -254,14 +269,17 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     #[must_use]
     pub const fn new() -> Self {
         let counters = Counters { dropped_edges: 0, dropped_lines: 0, stray_edges: 0 };
-        Self { tracks: [const { None }; LINES], counters, occupied: 0 }
+        const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
+        let tracks = [const { None }; LINES];
+        Self { tracks, counters, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
     }
 
     /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
     /// be left out, rows without edges should be given, since lines end by missing rows.
     pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
         self.occupied = 0;
-        let predictions = self.predictions(limits, row);
+        let mut predictions = Vec::new();
+        self.predict(limits, row, &mut predictions);
         for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
             self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
         }
@@ -279,7 +297,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     ) {
         let mut explained: Vec<Explained, LINES> = Vec::new();
         // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
-        let mut candidates = self.predictions(limits, at.row);
+        let mut candidates: Vec<Candidate, LINES> = Vec::new();
+        self.predict(limits, at.row, &mut candidates);
         candidates.retain(|candidate| candidate.state == State::Confirmed);
         for (index, candidate) in candidates.iter().enumerate() {
             let Some(Some(track)) = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting)
@@ -316,7 +335,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Learns what newly confirmed lines look like from the row that they were last seen in.
     pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
-        for track in self.tracks.iter_mut().flatten() {
+        for place in &self.under_way {
+            let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) else { continue };
             if track.state == State::Confirmed && track.profile.is_none() && track.line.last().row == row {
                 track.profile = Profile::new(pixels, track.line.last(), Neighbours::NONE, noise_q8);
             }
@@ -325,25 +345,26 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Forgets all lines under way, counting their edges as stray: the frame is torn.
     pub(crate) fn abandon(&mut self) {
-        for slot in &mut self.tracks {
-            if let Some(track) = slot.as_ref().filter(|track| track.state != State::Ended) {
-                self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(track.line.edges()));
-                *slot = None;
+        for place in &self.under_way {
+            if let Some(slot) = self.tracks.get_mut(usize::from(*place)) {
+                let edges = slot.take().map_or(0, |track| track.line.edges());
+                self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
             }
         }
+        self.under_way.clear();
     }
 
     /// Ends all confirmed lines and forgets the tentative ones.
     pub fn end_frame(&mut self) {
-        for track in &mut self.tracks {
-            finish(track, &mut self.counters);
+        while let Some(place) = self.under_way.pop() {
+            self.finish(place);
         }
     }
 
     /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
     pub fn next_line(&mut self) -> Option<Line<KNOTS>> {
-        let ended = self.tracks.iter_mut().find(|track| is_in(track, State::Ended))?;
-        ended.take().map(|track| track.line)
+        let place = self.ended.pop()?;
+        self.tracks.get_mut(usize::from(place))?.take().map(|track| track.line)
     }
 
     /// What was dropped since the tracker was made.
@@ -356,20 +377,20 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_edges = self.counters.dropped_edges.saturating_add(1);
     }
 
-    /// Predictions of all lines under way, from left to right.
-    fn predictions(&self, limits: &Limits, row: u16) -> Vec<Candidate, LINES> {
-        let mut predictions: Vec<_, LINES> = Vec::new();
-        for (slot, track) in self.tracks.iter().enumerate() {
+    /// Predictions of all lines under way that the row has not shown yet, from left to right.
+    fn predict(&self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
+        for place in &self.under_way {
+            let slot = usize::from(*place);
+            let track = self.tracks.get(slot).and_then(Option::as_ref);
             // One per slot at most.
-            let under_way = |track: &&Track<KNOTS>| track.state != State::Ended && track.line.last().row != row;
-            if let Some(track) = track.as_ref().filter(under_way) {
+            if let Some(track) = track.filter(|track| track.line.last().row != row) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
                 let _ = predictions.push(Candidate { prediction, slot, state, polarity, blur_q16 });
             }
         }
         predictions.sort_unstable_by_key(|candidate| candidate.prediction.column_q16);
-        let mut rest: &mut [Candidate] = &mut predictions;
+        let mut rest: &mut [Candidate] = predictions;
         while let Some((first, others)) = rest.split_first_mut() {
             if let Some(second) =
                 others.iter_mut().find(|other| other.state == first.state && other.polarity == first.polarity)
@@ -383,7 +404,6 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             }
             rest = others;
         }
-        predictions
     }
 
     /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
@@ -436,6 +456,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             Some((slot, free)) => {
                 *free = Some(Track::new(edge));
                 self.occupied = slot + 1;
+                // A place for each slot.
+                let _ = self.under_way.push(slot as u16);
             }
             None => {
                 self.occupied = LINES;
@@ -445,20 +467,27 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     fn count_missed(&mut self, limits: &Limits, row: u16) {
-        for slot in &mut self.tracks {
-            let Some(track) = slot else { continue };
-            if track.state == State::Ended || track.line.last().row == row {
-                continue;
+        let mut index = 0;
+        while let Some(place) = self.under_way.get(index).copied() {
+            let track = self.tracks.get_mut(usize::from(place)).and_then(Option::as_mut);
+            if track.is_some_and(|track| track.has_missed_too_many(limits, row)) {
+                self.under_way.swap_remove(index);
+                self.finish(place);
+            } else {
+                index += 1;
             }
-            track.missed_rows = track.missed_rows.saturating_add(1);
-            // The longer a line has been, the longer it may be hidden.
-            let gap = match track.state {
-                State::Tentative => limits.tentative_gap_rows,
-                _ => limits.gap_rows.saturating_add(track.line.edges() / 2),
-            };
-            if track.missed_rows > gap {
-                finish(slot, &mut self.counters);
-            }
+        }
+    }
+
+    /// Ends a confirmed line and drops a tentative one.
+    fn finish(&mut self, place: u16) {
+        let Some(slot) = self.tracks.get_mut(usize::from(place)) else { return };
+        if slot.as_ref().is_some_and(|track| track.state == State::Confirmed) {
+            // A place for each slot.
+            let _ = self.ended.push(place);
+        } else {
+            let edges = slot.take().map_or(0, |track| track.line.edges());
+            self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
         }
     }
 }
@@ -466,21 +495,5 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 impl<const LINES: usize, const KNOTS: usize> Default for Tracker<LINES, KNOTS> {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-fn is_in<const KNOTS: usize>(track: &Option<Track<KNOTS>>, state: State) -> bool {
-    track.as_ref().is_some_and(|track| track.state == state)
-}
-
-/// Ends a confirmed line and drops a tentative one.
-fn finish<const KNOTS: usize>(slot: &mut Option<Track<KNOTS>>, counters: &mut Counters) {
-    match slot {
-        Some(track) if track.state == State::Tentative => {
-            counters.stray_edges = counters.stray_edges.saturating_add(u32::from(track.line.edges()));
-            *slot = None;
-        }
-        Some(track) => track.state = State::Ended,
-        None => {}
     }
 }

@@ -2,7 +2,7 @@
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use serde::Serialize;
 
 /// Whether standard output shows colours: a terminal, unless told otherwise (<https://no-color.org>).
@@ -25,4 +25,11 @@ pub(crate) fn print(text: &str) -> Result<()> {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("standard output"),
         _ => Ok(()),
     }
+}
+
+/// Tells standard error, on one line.
+pub(crate) fn error(error: &Error) {
+    let message = format!("{error:#}").replace('\n', " ");
+    // Nothing is left to tell, should standard error be closed.
+    let _ = writeln!(io::stderr(), "error: {message}");
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::report::{Document, Frame, RangeReport, Status};
+use crate::rounding::{decimals, with_sigma};
 use crate::text_table::{Colour, TextTable};
 
 const HEADINGS: [&str; 8] =
@@ -44,7 +45,7 @@ fn cells(range: &RangeReport) -> [String; 8] {
     [
         format!("{:.2}@{}", range.column_at_first_row, range.first_row),
         format!("{:+.4}", range.bearing),
-        depth.map_or_else(|| "-".to_string(), |(depth, sigma)| with_sigma(depth, sigma)),
+        depth.map_or_else(|| "-".to_string(), |(depth, sigma)| with_sigma(depth, sigma, 2)),
         interval(range),
         format!("{}-{}", range.first_row, range.last_row),
         range.edges.to_string(),
@@ -62,12 +63,6 @@ fn colour(status: Status) -> Colour {
     }
 }
 
-/// Both with the decimals of the sigma's second digit: more would be noise.
-fn with_sigma(value: f64, sigma: f64) -> String {
-    let decimals = decimals(sigma, 2);
-    format!("{value:.decimals$} ± {sigma:.decimals$}")
-}
-
 fn interval(range: &RangeReport) -> String {
     match (range.nearest_m, range.farthest_m) {
         (Some(nearest), Some(farthest)) => {
@@ -77,9 +72,4 @@ fn interval(range: &RangeReport) -> String {
         (Some(nearest), None) => format!("[{nearest:.*}, ∞)", decimals(nearest, 3)),
         (None, _) => "-".to_string(),
     }
-}
-
-fn decimals(value: f64, digits: i32) -> usize {
-    let before_point = if value > 0.0 { value.log10().floor() as i32 + 1 } else { 1 };
-    (digits - before_point).clamp(0, 6) as usize
 }

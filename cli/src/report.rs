@@ -33,6 +33,9 @@ pub(crate) struct RangeReport {
     pub(crate) first_row: u16,
     pub(crate) last_row: u16,
     pub(crate) column_at_first_row: f64,
+    /// For drawing.
+    #[serde(skip)]
+    pub(crate) column_at_last_row: f64,
     pub(crate) edges: u16,
     pub(crate) polarity: Option<&'static str>,
     pub(crate) status: Status,
@@ -107,6 +110,7 @@ impl RangeReport {
             first_row: range.first_row,
             last_row: range.last_row,
             column_at_first_row: range.column_at_first_row,
+            column_at_last_row: range.column_at_last_row,
             edges: range.edges,
             polarity: polarity(range.polarity),
             status: range.status.into(),
@@ -114,7 +118,7 @@ impl RangeReport {
     }
 }
 
-fn polarity(polarity: Polarity) -> Option<&'static str> {
+pub(crate) fn polarity(polarity: Polarity) -> Option<&'static str> {
     match polarity {
         Polarity::Rising => Some("rising"),
         Polarity::Falling => Some("falling"),

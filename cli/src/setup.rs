@@ -4,12 +4,14 @@ use std::path::Path;
 
 use anyhow::{Context, Error, Result, anyhow};
 use shutter_range::{
-    Camera, Distortion, Intrinsics, Limits, ParameterError, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
+    Camera, Distortion, Intrinsics, Limits, MotionBlur, ParameterError, Readout, ReadoutDirection, Setup, Twist,
+    Uncertainty,
 };
 use toml::Table;
 
 use crate::bounds::Bounds;
 use crate::keys::{KEYS, Section, refuse_unknown};
+use crate::size::Size;
 
 /// What a setup file says.
 pub(crate) struct SetupFile {
@@ -17,13 +19,30 @@ pub(crate) struct SetupFile {
     pub(crate) motion: Twist<f64>,
     /// Noise of edges that come without their own.
     pub(crate) sigma_column_px: f64,
+    pub(crate) optics: Optics,
+}
+
+/// What blurs edges, as far as it is known.
+#[derive(Clone, Copy)]
+pub(crate) struct Optics {
+    pub(crate) exposure_s: Option<f64>,
+    /// One sigma.
+    pub(crate) lens_blur_px: Option<f64>,
+}
+
+impl SetupFile {
+    /// Of the camera's image.
+    pub(crate) fn size(&self) -> Size {
+        let image = self.setup.camera().intrinsics();
+        Size { columns: image.columns.into(), rows: image.rows.into() }
+    }
 }
 
 /// Noise that is larger says nothing, in any image.
 pub(crate) const SIGMA_PX: Bounds = Bounds::above_zero(1000.0, "pixels, one standard deviation");
 const SIZE: Bounds = Bounds::whole(1.0, 32_767.0, "pixels");
-const RELATIVE: Bounds = Bounds::number(0.0, 10.0, "relative, one standard deviation");
-const DEGREES: Bounds = Bounds::number(0.0, 90.0, "degrees, one standard deviation");
+const RELATIVE: Bounds = Bounds::number(0.0, 1.0, "relative, one standard deviation");
+const DEGREES: Bounds = Bounds::number(0.0, 45.0, "degrees, one standard deviation");
 const FOCAL_PX: Bounds = Bounds::number(1.0, 1e6, "focal length in pixels");
 const PIXELS: Bounds = Bounds::finite("pixels");
 const SPEED: Bounds = Bounds::number(-10_000.0, 10_000.0, "m/s");
@@ -41,18 +60,29 @@ fn parse(text: &str) -> Result<SetupFile> {
     let camera = Section::of(&file, "camera");
     let motion = Section::of(&file, "motion");
     let attitude = Section::of(&file, "attitude");
-    refuse_bad_optics(&camera)?;
+    let optics = optics(&camera)?;
     let setup =
         Setup::new(lens(&camera)?, readout(&camera)?, uncertainty(&camera, &motion, &attitude)?, Limits::DEFAULT);
     Ok(SetupFile {
-        setup: setup.map_err(dotted)?,
+        setup: with_optics(setup.map_err(dotted)?, &optics)?,
         motion: twist(&motion, &attitude)?,
         sigma_column_px: camera.number("sigma_column_px", SIGMA_PX)?.unwrap_or(0.1),
+        optics,
     })
 }
 
+/// The one place where the library is told of exposure and blur.
+fn with_optics(setup: Setup<f64>, optics: &Optics) -> Result<Setup<f64>> {
+    let Some(exposure_s) = optics.exposure_s else { return Ok(setup) };
+    let motion_blur = match optics.lens_blur_px {
+        Some(lens_blur_px) => MotionBlur::of_lens(exposure_s, lens_blur_px),
+        None => MotionBlur::of_exposure(exposure_s),
+    };
+    setup.with_motion_blur(motion_blur).map_err(dotted)
+}
+
 /// TOML's own message spans lines; one is enough with the line's number.
-fn syntax(text: &str, error: &toml::de::Error) -> Error {
+pub(crate) fn syntax(text: &str, error: &toml::de::Error) -> Error {
     let before = error.span().and_then(|span| text.get(..span.start));
     let line = before.map_or(1, |before| before.matches('\n').count() + 1);
     anyhow!("line {line}: {}", error.message())
@@ -70,11 +100,11 @@ fn dotted(error: ParameterError) -> Error {
     }
 }
 
-/// Keys that only blurred edges need; a wrong one is refused whatever the command.
-fn refuse_bad_optics(camera: &Section<'_>) -> Result<()> {
-    camera.number("exposure_s", Bounds::above_zero(60.0, "seconds"))?;
-    camera.number("lens_blur_px", Bounds::above_zero(1000.0, "pixels, one sigma"))?;
-    Ok(())
+fn optics(camera: &Section<'_>) -> Result<Optics> {
+    Ok(Optics {
+        exposure_s: camera.number("exposure_s", Bounds::above_zero(60.0, "seconds"))?,
+        lens_blur_px: camera.number("lens_blur_px", Bounds::above_zero(1000.0, "pixels, one sigma"))?,
+    })
 }
 
 fn lens(section: &Section<'_>) -> Result<Camera<f64>> {
@@ -134,7 +164,7 @@ fn readout(section: &Section<'_>) -> Result<Readout> {
 }
 
 fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_>) -> Result<Uncertainty<f64>> {
-    let rate = Bounds::number(0.0, 10.0, "rad/s, one standard deviation");
+    let rate = Bounds::number(0.0, 1.0, "rad/s, one standard deviation");
     Ok(Uncertainty {
         sigma_tilt: attitude.number("sigma_tilt_deg", DEGREES)?.unwrap_or(0.1).to_radians(),
         sigma_gravity: attitude.number("sigma_gravity_deg", DEGREES)?.unwrap_or(0.0).to_radians(),

@@ -1,7 +1,11 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
 mod edges;
+mod frames;
+mod overlays;
+mod painting;
 mod reference_lines;
 mod refusals;
+mod simulations;
 mod table2;
 mod tool;

@@ -121,12 +121,12 @@ fn values_of_a_setup() {
     refuse_setup(
         "sigma_tilt_deg = 0",
         "sigma_tilt_deg = -0.1",
-        "`attitude.sigma_tilt_deg` is -0.1, but must be a number from 0 to 90 (degrees, one standard deviation)",
+        "`attitude.sigma_tilt_deg` is -0.1, but must be a number from 0 to 45 (degrees, one standard deviation)",
     );
     refuse_setup(
         "[motion]",
         "[motion]\nsigma_speed = nan",
-        "`motion.sigma_speed` is nan, but must be a number from 0 to 10 (relative, one standard deviation)",
+        "`motion.sigma_speed` is nan, but must be a number from 0 to 1 (relative, one standard deviation)",
     );
 }
 

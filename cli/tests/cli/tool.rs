@@ -44,6 +44,22 @@ impl Folder {
         self
     }
 
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.0.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// Names of all its files, sorted.
+    pub(crate) fn files(&self) -> Vec<String> {
+        self.files_of(".")
+    }
+
+    pub(crate) fn files_of(&self, folder: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path().join(folder)).expect("a folder");
+        let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
+        names.sort();
+        names.into_iter().map(|name| name.into_string().expect("UTF-8")).collect()
+    }
+
     /// A folder with `setup.toml` and `edges.csv`.
     pub(crate) fn of(setup: &str, edges: &str) -> Self {
         Self::new().with("setup.toml", setup).with("edges.csv", edges)

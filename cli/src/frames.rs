@@ -1,0 +1,81 @@
+//! Command `frame`: ranges from whole frames, each on its own.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use image::GrayImage;
+use shutter_range::Ranger;
+
+use crate::arguments::FrameArgs;
+use crate::edges::KNOTS;
+use crate::report::{Document, Frame};
+use crate::setup::SetupFile;
+use crate::size::Size;
+use crate::{output, overlay, picture, progress};
+
+/// Room for more than any picture shows.
+type LargeRanger = Ranger<256, KNOTS, 2048>;
+
+pub(crate) struct Outcome {
+    pub(crate) document: Document,
+    /// Files of which something failed, which standard error has been told.
+    pub(crate) failures: usize,
+}
+
+pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupFile) -> Result<Outcome> {
+    let size = setup.size();
+    if let Some(raw) = arguments.raw {
+        let camera = "(`camera.columns` × `camera.rows` of the setup)";
+        anyhow::ensure!(raw == size, "--raw says {raw} pixels, but must say {size} {camera}");
+    }
+    let bar = progress::bar(arguments.files.len() as u64);
+    let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
+    for (index, file) in arguments.files.iter().enumerate() {
+        let mut job = Job { setup, size, raw: arguments.raw.is_some(), frames: &mut outcome.document.frames };
+        if let Err(error) = job.range(file, overlays.get(index)) {
+            bar.suspend(|| output::error(&error));
+            outcome.failures += 1;
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(outcome)
+}
+
+struct Job<'a> {
+    setup: &'a SetupFile,
+    size: Size,
+    raw: bool,
+    frames: &'a mut Vec<Frame>,
+}
+
+impl Job<'_> {
+    /// What was found in a frame counts even if its overlay cannot be written.
+    fn range(&mut self, file: &Path, overlay: Option<&PathBuf>) -> Result<()> {
+        let picture = picture::load(file, self.size, self.raw)?;
+        let name = file.display().to_string();
+        let frame = range(name.clone(), &picture.to_luma8(), self.setup).context(name)?;
+        let drawn = overlay.map(|path| overlay::write(path, picture.into_rgb8(), &frame.ranges));
+        self.frames.push(frame);
+        drawn.unwrap_or(Ok(()))
+    }
+}
+
+/// A new ranger for each frame, so that no frame depends on those before it.
+fn range(name: String, pixels: &GrayImage, file: &SetupFile) -> Result<Frame> {
+    let (setup, motion) = (&file.setup, &file.motion);
+    let mut ranger = Box::new(LargeRanger::new());
+    let mut ranges = Vec::new();
+    let columns = usize::from(setup.camera().intrinsics().columns);
+    for rows_before in 0..setup.readout().rows() {
+        let row = setup.readout().row_after(rows_before);
+        let start = usize::from(row) * columns;
+        let of_row = pixels.as_raw().get(start..start + columns);
+        ranger.row(setup, row, of_row.context("the picture is too small")?)?;
+        ranges.append(&mut ranger.ranges(setup, motion));
+    }
+    let torn = ranger.is_torn();
+    ranger.end_frame(setup);
+    ranges.append(&mut ranger.ranges(setup, motion));
+    Ok(Frame { torn, ..Frame::new(name, &mut ranges, *ranger.counters()) })
+}

@@ -1,0 +1,30 @@
+//! [`Size`]: of an image.
+
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size {
+    pub(crate) columns: u32,
+    pub(crate) rows: u32,
+}
+
+impl FromStr for Size {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts = text.split_once(['x', 'X', '×']);
+        let size = parts.and_then(|(columns, rows)| Some(Self { columns: length(columns)?, rows: length(rows)? }));
+        size.ok_or("it must be two whole numbers of pixels, such as 640x480")
+    }
+}
+
+fn length(text: &str) -> Option<u32> {
+    text.parse().ok().filter(|pixels| (1..=32_767).contains(pixels))
+}
+
+impl Display for Size {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{} × {}", self.columns, self.rows)
+    }
+}
