@@ -166,18 +166,16 @@ const MAX_CLEANINGS: usize = 4;
 /// five times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
 /// if more do not fit, then this is no straight edge.
 fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
-    let mut sizes: Vec<S, N> = Vec::new();
-    for (row, _) in solved.rows.iter().zip(sights.iter()).filter(|(_, sight)| sight.kept) {
-        // As many as rows.
-        let _ = sizes.push(solved.solution.deviation(row).abs());
-    }
-    sizes.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
-    let Some(median) = sizes.get(sizes.len() / 2) else { return false };
-    let usual = (*median * S::ratio(3, 2)).max(S::ONE);
+    let kept = || solved.rows.iter().zip(sights.iter()).filter(|(_, sight)| sight.kept);
+    let sizes = || kept().map(|(row, _)| solved.solution.deviation(row).abs());
+    let count = sizes().count();
+    // The median without a sort: the value that has half of the others below it.
+    let below = |limit: S| sizes().filter(|size| *size < limit).count();
+    let Some(median) = sizes().filter(|size| 2 * below(*size) <= count).reduce(S::max) else { return false };
+    let usual = (median * S::ratio(3, 2)).max(S::ONE);
     let limit = usual * S::from_i32(5);
-    let dropped = sights.len() - sizes.len();
-    let strangers = sizes.iter().filter(|size| **size > limit).count();
-    if strangers == 0 || 3 * (dropped + strangers) > sights.len() {
+    let strangers = sizes().filter(|size| *size > limit).count();
+    if strangers == 0 || 3 * (sights.len() - count + strangers) > sights.len() {
         return false;
     }
     for (sight, row) in sights.iter_mut().zip(&solved.rows) {

@@ -1,14 +1,14 @@
 //! Distance from the rolling-shutter effect: a moving camera with a rolling shutter as a range finder.
 //!
 //! A rolling shutter reads one row after the other, so an upright edge leans in the image of a moving camera, the more
-//! the nearer it is. Rows of edge points go in as a sensor delivers them; for every upright edge a bearing, an inverse
-//! depth and an honest sigma come out, from a single frame, in bounded time and memory, without a heap.
+//! the nearer it is. Rows of pixels, or of edge points, go in as a sensor delivers them; for every upright edge a bearing,
+//! an inverse depth and an honest sigma come out, from a single frame, in bounded time and memory, without a heap.
 //!
 //! ```text
-//! edges ─Tracker─▶ lines ─fit─▶ Range { status, bearing, inverse depth, tilt, covariance }
-//!   ▲                ▲            ▲
-//! your edge        Camera,      Motion
-//! detector         Readout
+//! pixel row ─Scanner─▶ edges ─Tracker─▶ lines ─fit─▶ Range { status, bearing, inverse depth, tilt, covariance }
+//!                        ▲                ▲            ▲
+//!                      your own         Camera,      Motion, gravity
+//!                      edge detector    Readout
 //! ```
 //!
 //! Most people use [`Ranger`], which is the whole way and has no mathematics of its own. Every arrow is a type or function
@@ -23,7 +23,7 @@
 //! let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
 //! let readout = Readout::from_line_time_ps(480, 65_333_333, ReadoutDirection::TopToBottom)?;
 //! let setup = Setup::new(camera, readout, Uncertainty::default(), Limits::default())?;
-//! // 16 lines of 12 knots, 32 edges a row: 11 KiB.
+//! // 16 lines of 12 knots, 32 edges a row: some 10 KiB.
 //! let mut ranger: Ranger<16, 12, 32> = Ranger::new();
 //!
 //! // What changes comes with each frame: 2 m/s to the left, level.
@@ -62,7 +62,9 @@
 //! An edge that leans by β in the image looks like a nearer or farther one: one tenth of a degree is worth 5 % at 15 m
 //! in the paper's set-up, sixty times the pixel noise. A single frame cannot tell the two apart by position, so the tilt
 //! is a third unknown with a prior ([`Uncertainty::sigma_tilt`], 0.1° unless you know better), and sigma says what that
-//! means. An object that moves at constant velocity looks like a static one at another distance.
+//! means. What can tell them apart in the same frame is motion blur: a moving edge is smeared over its path during the
+//! exposure, whatever its lean ([`MotionBlur`]). Without a known exposure only straightness and the slope's sign are tested.
+//! An object that moves at constant velocity looks like a static one at another distance.
 //!
 //! A result is never a bare number: see [`RangeStatus`]. An edge too far, too slow or too short is a status with numbers
 //! ("farther than 12 m"), not an error and not NaN. Errors are for misuse.
@@ -77,12 +79,13 @@
 //! | `micromath` | `Micro`: `f32` with micromath's short trigonometry |
 //! | `fixed` | `Q32`: 32.32 fixed point, no floating point at all |
 //! | `defmt` | `defmt::Format` on the public types |
-//! | `serde` | (de)serialisation of the public types; checked types are checked again |
+//! | `serde` | (de)serialisation of setups, edges, ranges and scenes; checked types are checked again |
 //! | `std` | conveniences that collect into `Vec` |
 //!
 //! # Guarantees
 //!
-//! No clock, no input or output, no heap, no globals, no `unsafe`. Memory is fixed by const generics. Full tables refuse
+//! No clock, no input or output, no heap, no globals, no `unsafe`, and no way to panic on the data path: the release program of
+//! `examples/no_panic.rs` is linked without a panic routine. Memory is fixed by const generics. Full tables refuse
 //! the newcomer, count it ([`Counters`]) and never lose a confirmed line.
 
 #![no_std]

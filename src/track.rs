@@ -27,7 +27,8 @@ pub struct Counters {
 /// other's nearest, within the gate, belong together. An edge that matches nothing begins a tentative line. Lines that
 /// have missed too many rows end; a full table refuses the newcomer, counts it, and never loses a confirmed line.
 ///
-/// *Cost*: per row a sort of the lines, and a sweep over edges and lines together for each polarity.
+/// *Cost*: per row an insertion sort of the lines, which hardly change places, and for each polarity a sweep over edges and
+/// lines together.
 #[derive(Debug)]
 pub struct Tracker<const LINES: usize, const KNOTS: usize> {
     tracks: [Option<Track<KNOTS>>; LINES],
@@ -78,7 +79,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Where the line should cross `row`, and how far off an edge there may lie.
     fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = i64::from(row.abs_diff(self.line.last().row));
-        let edges = i64::from(self.line.edges()).min(MEMORY_EDGES);
+        let edges = i64::from(self.line.edges()).clamp(1, MEMORY_EDGES);
         // What the slope may still be off: everything after one edge, ever less after.
         let slope_q16 = i64::from(limits.max_slope_q16) / (edges * edges);
         let noise_q16 = 4 * i64::from(self.line.last().sigma_q16.min(1 << 24));
@@ -316,11 +317,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 if track.take(edge, limits) {
                     let (column_q16, polarity) = (i64::from(edge.column_q16), edge.polarity);
                     // One per line at most.
-                    let _ = explained.push(Explained { column_q16, reach_q16, polarity });
+                    let at = explained.partition_point(|other| other.column_q16 <= column_q16);
+                    let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity });
                 }
             }
         }
-        explained.sort_unstable_by_key(|explained| explained.column_q16);
         let mut nearby = 0;
         edges.retain(|edge| {
             let column = i64::from(edge.column_q16);
@@ -378,7 +379,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Predictions of all lines under way that the row has not shown yet, from left to right.
-    fn predict(&self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
+    fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Option::as_ref);
@@ -386,10 +387,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             if let Some(track) = track.filter(|track| track.line.last().row != row) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
-                let _ = predictions.push(Candidate { prediction, slot, state, polarity, blur_q16 });
+                let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
+                let _ = predictions.insert(at, Candidate { prediction, slot, state, polarity, blur_q16 });
             }
         }
-        predictions.sort_unstable_by_key(|candidate| candidate.prediction.column_q16);
+        // Lines hardly change places: the next row finds them almost in order.
+        let order = predictions.iter().map(|candidate| candidate.slot as u16);
+        if predictions.len() == self.under_way.len() {
+            self.under_way.iter_mut().zip(order).for_each(|(place, slot)| *place = slot);
+        }
         let mut rest: &mut [Candidate] = predictions;
         while let Some((first, others)) = rest.split_first_mut() {
             if let Some(second) =

@@ -1,0 +1,76 @@
+//! Pixels and edges to ranges without a way to panic: the board's program of this example contains no panic routine, which
+//! `.ci/no-panic` checks in its symbols. It prints nothing, because `core::fmt` can panic; its exit code tells how it went.
+//!
+//! Desktop: `cargo run --release --example no_panic`
+//! Board (emulated Cortex-M4F): `cargo run --release --example no_panic --target thumbv7em-none-eabihf`
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+use shutter_range::{
+    Camera, Distortion, Edge, Intrinsics, Limits, MotionBlur, ParameterError, RangeStatus, Ranger, Readout,
+    ReadoutDirection, Setup, Twist, Uncertainty,
+};
+
+const ROWS: u16 = 120;
+const COLUMNS: usize = 160;
+
+/// A lens with distortion, and everything uncertain, so that all of the solver is linked.
+fn setup() -> Result<Setup<f32>, ParameterError> {
+    let lens = Distortion::from_opencv([-0.002, 0.0005, 0.00001, -0.00001, 0.0]);
+    let camera = Camera::new(Intrinsics::centred(COLUMNS as u16, ROWS, 150.0), lens)?;
+    let readout = Readout::from_frame_readout_ns(ROWS, 16_666_667, ReadoutDirection::TopToBottom)?;
+    let uncertainty = Uncertainty {
+        sigma_gravity: 0.001,
+        sigma_speed: 0.01,
+        sigma_rate_rad_s: 0.001,
+        sigma_readout: 0.001,
+        sigma_focal: 0.001,
+        ..Uncertainty::default()
+    };
+    Setup::new(camera, readout, uncertainty, Limits::default())?.with_motion_blur(MotionBlur::of_exposure(0.001))
+}
+
+/// One row of a picture with a bright post that leans as a moving camera sees it.
+fn paint(row: u16, pixels: &mut [u8]) {
+    let left_q8 = (60 << 8) + 40 * u32::from(row);
+    for (column, pixel) in pixels.iter_mut().enumerate() {
+        let covered = ((column as u32) << 8).saturating_sub(left_q8).min(256);
+        let noise = (column as u32 * 7919 + u32::from(row) * 104_729) % 5;
+        *pixel = (40 + noise + ((covered * 150) >> 8)) as u8;
+    }
+}
+
+fn run() -> Result<bool, ParameterError> {
+    let setup = setup()?;
+    let motion = Twist::new([-2.0_f32, 0.0, 0.1], [0.0, 0.02, 0.0], [0.0, 1.0, 0.0])?;
+    let mut ranger: Ranger<4, 8, 16> = Ranger::new();
+    let mut pixels = [0_u8; COLUMNS];
+    let (mut from_pixels, mut from_edges) = (false, false);
+    for row in 0..ROWS {
+        paint(row, &mut pixels);
+        let _ = ranger.row(&setup, row, &pixels);
+    }
+    ranger.end_frame(&setup);
+    while let Some(range) = ranger.next_range(&setup, &motion) {
+        from_pixels |= range.estimate.inverse_depth_per_m > 0.0;
+    }
+    for row in 0..ROWS {
+        let edge = Edge::new(row, (60 << 16) + 10_000 * i32::from(row), setup.readout().row_time_ns(row));
+        let _ = ranger.edge(&setup, edge);
+    }
+    ranger.end_frame(&setup);
+    while let Some(range) = ranger.next_range(&setup, &motion) {
+        from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();
+    }
+    Ok(from_pixels && from_edges)
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    std::process::exit(if run() == Ok(true) { 0 } else { 1 });
+}
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    semihosting::process::exit(if run() == Ok(true) { 0 } else { 1 })
+}
