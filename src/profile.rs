@@ -104,7 +104,7 @@ impl Profile {
             fit = self.fit(pixels, i32::try_from(nearer).ok()?, around)?;
             fit.shift_q16 += nearer - expected_q16;
         }
-        let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 2)
+        let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4)
             && (128..=512).contains(&fit.amplitude_q8)
             && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
         if !fits {
@@ -122,6 +122,14 @@ impl Profile {
     fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
         let reach_q16 = (3 * i64::from(self.blur_q8) + 256) << 8;
         let expected = i64::from(expected_q16);
+        // Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
+        let clear_q16 = (2 * i64::from(self.blur_q8) + 256) << 8;
+        let border_q16 = (pixels.len() as i64 - 1) << 16;
+        let alone =
+            expected - clear_q16 >= around.left_q16.max(0) && expected + clear_q16 <= around.right_q16.min(border_q16);
+        if !alone {
+            return None;
+        }
         // Half the way to a neighbour is this edge's own.
         let from = ((expected - reach_q16).max((expected + around.left_q16) / 2) + 65535) >> 16;
         let to = ((expected + reach_q16).min((expected + around.right_q16) / 2) >> 16) + 1;

@@ -302,7 +302,8 @@ fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found:
     let moves = stretch.iter().zip(right).zip(right.iter().skip(WINDOW));
     let mut position = from + WINDOW;
     let mut close = |run: Run| {
-        if let Some(edge) = run.edge(noise_q8) {
+        // A run that begins at the border may have begun before it.
+        if let Some(edge) = run.edge(noise_q8).filter(|_| run.start > WINDOW) {
             found(edge);
         }
     };
@@ -325,7 +326,7 @@ fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found:
         position += 1;
         take(difference, position, &mut run);
     }
-    if let Some(ended) = run {
+    if let Some(ended) = run.filter(|_| to < pixels.len()) {
         close(ended);
     }
 }

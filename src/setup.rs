@@ -63,7 +63,8 @@ impl<S: Scalar> Default for Uncertainty<S> {
 pub struct Limits {
     /// Steepest slope that a line may begin with, in 1/65536 px of column per row.
     pub max_slope_q16: u32,
-    /// How far an edge may lie from its predicted column, beyond four sigma of its noise, in 1/65536 px.
+    /// How far an edge may lie from the column that a young line predicts, beyond four sigma of its noise, in 1/65536 px;
+    /// an eighth of it where the line has 64 edges.
     pub gate_q16: u32,
     /// Edges after which a tentative line is confirmed.
     pub confirm_edges: u16,

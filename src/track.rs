@@ -60,7 +60,7 @@ enum State {
 }
 
 /// The filter's gain falls with the number of edges down to this one's, so that it can follow a curve.
-const MEMORY_EDGES: i64 = 24;
+const MEMORY_EDGES: i64 = 64;
 /// No gate is wider.
 const MAX_GATE_Q16: i64 = 48 << 16;
 
@@ -83,7 +83,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
         // What the slope may still be off: everything after one edge, ever less after.
         let slope_q16 = i64::from(limits.max_slope_q16) / (edges * edges);
         let noise_q16 = 4 * i64::from(self.line.last().sigma_q16.min(1 << 24));
-        let gate_q16 = i64::from(limits.gate_q16) + noise_q16 + slope_q16 * rows;
+        // The better a line is known, the less an edge may miss it.
+        let base_q16 = i64::from(limits.gate_q16) * 8 / edges.max(8);
+        let gate_q16 = base_q16 + noise_q16 + slope_q16 * rows;
         let column_q16 = self.column_q16 + i64::from(self.slope_q16) * rows;
         Prediction { column_q16, gate_q16: gate_q16.min(MAX_GATE_Q16), coasting: false }
     }
