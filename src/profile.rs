@@ -274,7 +274,9 @@ enum Side {
 /// half way to it where the two blurs meet.
 fn plateau(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<u16> {
     let column = i64::from(column_q16);
-    let clear_q16 = (5 * i64::from(blur_q8) / 2 + 128) << 8;
+    // 2.5 sigma of a lens, but a path of motion ends after 1.73.
+    let blur = i64::from(blur_q8);
+    let clear_q16 = ((5 * blur / 2).min(7 * blur / 4 + 448) + 128) << 8;
     // The longer the blur, the more a wrong level shifts the edge.
     let length_q16 = (i64::from(PLATEAU) << 16) + (i64::from(blur_q8) << 9);
     let (near, far, half_way) = match side {

@@ -55,6 +55,9 @@ impl<S: Scalar> Range<S> {
                 range.status =
                     if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() };
                 range.estimate = estimate;
+                if range.status == RangeStatus::Ok && is_fragment(&range) {
+                    range.status = RangeStatus::Bent;
+                }
                 if range.status == RangeStatus::Ok && blur_contradicts(setup, motion, line, &estimate, &edge) {
                     range.status = RangeStatus::Inconsistent;
                 }
@@ -83,6 +86,12 @@ impl<S: Scalar> Range<S> {
     fn if_ok(&self, interval: Interval<S>) -> Interval<S> {
         if self.status == RangeStatus::Ok { interval } else { Interval { estimate_m: None, ..interval } }
     }
+}
+
+/// A short line that fits badly is a piece of something else: only a long one can be straight beside a restless background.
+fn is_fragment<S: Scalar>(range: &Range<S>) -> bool {
+    const LONG_EDGES: u16 = 48;
+    range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(2, 1)
 }
 
 /// Whether the edges' width contradicts the motion that their slope implies.
