@@ -47,7 +47,7 @@ impl ScannedEdge {
 /// difference of two neighbouring windows of four pixels exceeds four sigma of what is usual in these rows, be that noise or
 /// texture, and six grey levels.
 ///
-/// *Limits*: an edge within four pixels of the border is not seen. *Cost*: one addition per pixel, and about ten operations
+/// *Limits*: an edge within eight pixels of the border is not seen, nor anything in rows below 32 pixels. *Cost*: one addition per pixel, and about ten operations
 /// per pixel near something.
 ///
 /// ```
@@ -212,19 +212,33 @@ fn coarse(pixels: &[u8], limit: u32, mut stretch: impl FnMut(usize, usize)) {
             differing &= differing - 1;
             // The edge is in one of the two blocks, or its flanks reach into their neighbours.
             let (from, to) = (block.saturating_sub(1), block + 1);
-            open = match open {
-                Some((start, end)) if from <= end => Some((start, to)),
-                Some((start, end)) => {
-                    stretch(start * BLOCK, end * BLOCK);
-                    Some((from, to))
-                }
-                None => Some((from, to)),
-            };
+            add_stretch(&mut open, (from, to), &mut stretch);
         }
         at += filled;
     }
+    // The pixels beyond the last whole block, with as many before them as make a block.
+    let tail = pixels.len().saturating_sub(BLOCK);
+    let tail_sum = pixels.get(tail..).map(|block| block.iter().map(|pixel| u16::from(*pixel)).sum::<u16>());
+    let differs = |sum: u16| last.is_some_and(|last| sum.abs_diff(last) > limit);
+    let blocks = pixels.len() / BLOCK;
+    let (tail_from, to_end) = (blocks.saturating_sub(1), pixels.len().div_ceil(BLOCK));
+    if blocks < to_end && tail_sum.is_some_and(differs) {
+        add_stretch(&mut open, (tail_from, to_end), &mut stretch);
+    }
     if let Some((start, end)) = open {
         stretch(start * BLOCK, end * BLOCK);
+    }
+}
+
+/// Joins blocks to the stretch before them if they touch, or hands that one over and opens another.
+fn add_stretch(open: &mut Option<(usize, usize)>, (from, to): (usize, usize), stretch: &mut impl FnMut(usize, usize)) {
+    match open {
+        Some((_, end)) if from <= *end => *end = to,
+        _ => {
+            if let Some((start, end)) = open.replace((from, to)) {
+                stretch(start * BLOCK, end * BLOCK);
+            }
+        }
     }
 }
 
@@ -290,8 +304,8 @@ impl Run {
 
 /// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise.
 fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedEdge)) {
-    let from = from.saturating_sub(WINDOW);
-    let to = (to + WINDOW).min(pixels.len());
+    let from = from.saturating_sub(2 * WINDOW);
+    let to = (to + 2 * WINDOW).min(pixels.len());
     let Some(stretch) = pixels.get(from..to).filter(|stretch| stretch.len() > 2 * WINDOW) else {
         return;
     };
@@ -302,8 +316,8 @@ fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found:
     let moves = stretch.iter().zip(right).zip(right.iter().skip(WINDOW));
     let mut position = from + WINDOW;
     let mut close = |run: Run| {
-        // A run that begins at the border may have begun before it.
-        if let Some(edge) = run.edge(noise_q8).filter(|_| run.start > WINDOW) {
+        // A run that begins where the look begins may have begun before it, and its centroid would be aside.
+        if let Some(edge) = run.edge(noise_q8).filter(|_| run.start > from + WINDOW) {
             found(edge);
         }
     };
@@ -326,7 +340,5 @@ fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found:
         position += 1;
         take(difference, position, &mut run);
     }
-    if let Some(ended) = run.filter(|_| to < pixels.len()) {
-        close(ended);
-    }
+    // Likewise one that has not ended by the end.
 }

@@ -1,0 +1,479 @@
+//! `Ranger::row`: rendered frames in, ranges out, against the simulator's truth.
+
+use shutter_range::sim::{Background, Bar, Exposure, Object, Rail, Scene, Simulator, Texture, Truth};
+use shutter_range::{
+    MotionBlur, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, RowError, Scalar, Setup, Uncertainty,
+};
+
+use crate::projection;
+use crate::scenes::{TENTH_DEGREE, tilt_of};
+
+const COLUMNS: u16 = 320;
+const ROWS: u16 = 240;
+
+const TOP: ReadoutDirection = ReadoutDirection::TopToBottom;
+
+type Frame = Vec<Vec<u8>>;
+/// As it fits on a small board.
+type SmallRanger = Ranger<16, 10, 32>;
+
+/// A QVGA camera, 300 px of focal length and 1/30 s of readout, that moves to the right.
+fn moving(speed_m_s: f64) -> projection::Scene {
+    projection::Scene {
+        columns: COLUMNS,
+        rows: ROWS,
+        focal_px: 300.0,
+        cx: 159.5,
+        cy: 119.5,
+        velocity_m_s: [speed_m_s, 0.0, 0.0],
+        ..projection::Scene::vga()
+    }
+}
+
+fn scene_of<const N: usize>(background: f32, objects: [Object; N]) -> Scene<N> {
+    let mut scene = Scene::new(Background::plain(background)).expect("sound background");
+    for object in objects {
+        scene.push(object).expect("a sound object");
+    }
+    scene
+}
+
+/// The frame, and its bars' edges from left to right.
+fn render<const N: usize>(
+    scene: &Scene<N>,
+    world: &projection::Scene,
+    direction: ReadoutDirection,
+    exposure: Exposure,
+    seed: u64,
+) -> (Frame, Vec<Truth>) {
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, direction);
+    let (camera, readout) = (setup.camera(), setup.readout());
+    let simulator = Simulator::new(scene, camera, readout, &world.motion(), exposure, seed).expect("sound parameters");
+    let row = |row| {
+        let mut pixels = vec![0; COLUMNS.into()];
+        simulator.row(row, &mut pixels);
+        pixels
+    };
+    let mut truths: Vec<_> = simulator.truth().collect();
+    truths.sort_by(|a, b| a.bearing.total_cmp(&b.bearing));
+    ((0..ROWS).map(row).collect(), truths)
+}
+
+/// Feeds a frame in the order of its readout and takes the ranges, from left to right.
+fn ranges_of<S: Scalar>(
+    ranger: &mut SmallRanger,
+    setup: &Setup<S>,
+    world: &projection::Scene,
+    frame: &Frame,
+) -> Vec<Range<S>> {
+    let motion = world.motion::<S>();
+    let mut found = Vec::new();
+    for index in 0..ROWS {
+        let row = setup.readout().row_after(index);
+        ranger.row(setup, row, &frame[usize::from(row)]).expect("rows in order");
+        found.extend(ranger.ranges(setup, &motion));
+    }
+    ranger.end_frame(setup);
+    found.extend(ranger.ranges(setup, &motion));
+    found.sort_by(|a, b| a.column_at_first_row.to_f64().total_cmp(&b.column_at_first_row.to_f64()));
+    found
+}
+
+/// One frame from the top with every uncertainty but the pixels' at zero: its ranges, and its bars' edges.
+fn look<const N: usize>(
+    scene: &Scene<N>,
+    world: &projection::Scene,
+    exposure: Exposure,
+    seed: u64,
+) -> (Vec<Range<f32>>, Vec<Truth>) {
+    let (frame, truths) = render(scene, world, TOP, exposure, seed);
+    let setup = world.setup_read(Uncertainty::NONE, TOP);
+    (ranges_of(&mut SmallRanger::new(), &setup, world, &frame), truths)
+}
+
+/// Error of the inverse depth: relative, and in units of the stated sigma.
+fn errors<S: Scalar>(range: &Range<S>, truth: &Truth) -> (f64, f64) {
+    let estimate = &range.estimate;
+    let off = estimate.inverse_depth_per_m.to_f64() - 1.0 / truth.depth_m;
+    (off * truth.depth_m, off / estimate.sigma_inverse_depth_per_m.to_f64())
+}
+
+/// A range for each edge, and nothing else: `Ok`, of its polarity, within `relative` of the inverse depth and 4 sigma.
+fn assert_found<S: Scalar>(name: &str, found: &[Range<S>], truths: &[Truth], relative: f64) {
+    assert_eq!(found.len(), truths.len(), "{name}: {found:#?} for {truths:#?}");
+    for (range, truth) in found.iter().zip(truths) {
+        let (off, normal) = errors(range, truth);
+        assert_eq!(
+            (range.status, range.polarity),
+            (RangeStatus::Ok, truth.polarity),
+            "{name}: {range:?} for {truth:?}"
+        );
+        assert!(off.abs() < relative && normal.abs() < 4.0, "{name}: {off} or {normal} sigma, {range:?} for {truth:?}");
+    }
+}
+
+fn post() -> Scene<1> {
+    scene_of(180.0, [Bar::upright(0.05, 2.0, 0.1, 60.0).into()])
+}
+
+fn statuses<S>(found: &[Range<S>]) -> Vec<RangeStatus> {
+    found.iter().map(|range| range.status).collect()
+}
+
+fn one_post<S: Scalar>() {
+    for direction in [TOP, ReadoutDirection::BottomToTop] {
+        for speed_m_s in [1.5, -1.5] {
+            let world = moving(speed_m_s);
+            let (frame, truths) = render(&post(), &world, direction, Exposure::default(), 1);
+            let setup = world.setup_read::<S>(Uncertainty::NONE, direction);
+            let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
+            assert_found(&format!("{direction:?}, {speed_m_s} m/s"), &found, &truths, 0.01);
+            for range in &found {
+                assert!(range.first_row <= 2 && range.last_row >= ROWS - 3 && range.edges > 230, "{range:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_post_in_single_precision() {
+    one_post::<f32>();
+}
+
+#[test]
+fn a_post_in_double_precision() {
+    one_post::<f64>();
+}
+
+#[test]
+fn the_post_between_the_ends_of_its_bar() {
+    let bar = Bar::upright(0.05, 2.0, 0.1, 60.0).between(-0.4, 0.3);
+    let (found, truths) = look(&scene_of(180.0, [bar.into()]), &moving(1.5), Exposure::default(), 1);
+    assert_found("a post with ends", &found, &truths, 0.05);
+    for (range, truth) in found.iter().zip(&truths) {
+        assert!(range.first_row.abs_diff(truth.first_row) <= 2, "{range:?} for {truth:?}");
+        assert!(range.last_row.abs_diff(truth.last_row) <= 2, "{range:?} for {truth:?}");
+    }
+}
+
+#[test]
+fn several_posts() {
+    let objects = [
+        Bar::upright(-0.35, 1.2, 0.08, 40.0).into(),
+        Bar::upright(-0.05, 3.0, 0.2, 230.0).into(),
+        Bar::upright(0.42, 4.0, 0.3, 20.0).into(),
+    ];
+    for seed in 1..4 {
+        let (found, truths) = look(&scene_of(150.0, objects), &moving(1.5), Exposure::default(), seed);
+        assert_found(&format!("seed {seed}"), &found, &truths, 0.02);
+    }
+}
+
+/// Normalised errors of the inverse depth over 60 frames, each of its own post, noise and phase.
+fn assert_honest(name: &str, world: &projection::Scene, direction: ReadoutDirection, exposure: Exposure) {
+    let mut normal = Vec::new();
+    for seed in 0..60_u64 {
+        let part = |step: u64| (seed * step % 60) as f32 / 60.0;
+        let bar = Bar::upright(0.4 * part(7) - 0.2, 1.2 + 2.0 * part(11), 0.12, 40.0 + 40.0 * part(13));
+        let (frame, truths) = render(&scene_of(190.0, [bar.into()]), world, direction, exposure, seed);
+        let setup = world.setup_read::<f32>(Uncertainty::NONE, direction);
+        let found = ranges_of(&mut SmallRanger::new(), &setup, world, &frame);
+        assert_eq!(statuses(&found), [RangeStatus::Ok; 2], "{name}, seed {seed}: {found:#?}");
+        normal.extend(found.iter().zip(&truths).map(|(range, truth)| errors(range, truth).1));
+    }
+    let count = normal.len() as f64;
+    let mean = normal.iter().sum::<f64>() / count;
+    let deviation = (normal.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / count).sqrt();
+    println!("{name}: mean {mean:+.3}, deviation {deviation:.3}");
+    assert!((0.8..1.25).contains(&deviation) && mean.abs() < 0.4, "{name}: mean {mean}, deviation {deviation}");
+}
+
+#[test]
+fn sigma_is_honest() {
+    let (world, exposure) = (moving(1.5), Exposure::default());
+    assert_honest("to the right", &world, TOP, exposure);
+    assert_honest("to the left", &moving(-1.5), TOP, exposure);
+    assert_honest("from the bottom", &world, ReadoutDirection::BottomToTop, exposure);
+    let turning = projection::Scene { velocity_m_s: [1.0, 0.0, 1.5], rate_rad_s: [0.1, -0.3, 0.2], ..world.clone() };
+    assert_honest("ahead in a turn", &turning, TOP, exposure);
+    assert_honest("noisy", &world, TOP, Exposure { read_noise: 5.0, ..exposure });
+    assert_honest("quiet", &world, TOP, Exposure { read_noise: 0.3, shot_gain: 0.0, ..exposure });
+    assert_honest("exposed for 8 ms", &world, TOP, Exposure { time_s: 0.008, ..exposure });
+    assert_honest("exposed for 20 ms", &world, TOP, Exposure { time_s: 0.02, ..exposure });
+}
+
+#[test]
+fn bearings() {
+    for seed in 1..4 {
+        let (found, truths) = look(&post(), &moving(1.5), Exposure::default(), seed);
+        for (range, truth) in found.iter().zip(&truths) {
+            let off = f64::from(range.estimate.bearing) - truth.bearing;
+            assert!(off.abs() < 4.0 * f64::from(range.estimate.sigma_bearing), "{range:?} for {truth:?}");
+        }
+    }
+}
+
+/// The sides of so thin a rod shift each other outwards by up to a pixel, row after row alike.
+#[test]
+fn a_rod_three_pixels_wide() {
+    for seed in 1..11 {
+        let bar = Bar::upright(0.02 * seed as f32 - 0.1, 2.0, 0.02, 60.0);
+        let (found, truths) = look(&scene_of(180.0, [bar.into()]), &moving(1.5), Exposure::default(), seed);
+        assert_found(&format!("seed {seed}"), &found, &truths, 0.03);
+        assert_eq!([found[0].polarity, found[1].polarity], [Polarity::Falling, Polarity::Rising]);
+    }
+}
+
+/// One line per side, whatever the rail looks like.
+#[test]
+fn a_rail_hides_a_stretch() {
+    for level in [20.0, 60.0, 120.0, 180.0, 240.0] {
+        for seed in 1..4 {
+            let rail = Rail { depth_m: 1.0, top_m: 0.0, bottom_m: 0.06, level };
+            let scene = scene_of(180.0, [Bar::upright(0.05, 2.0, 0.1, 60.0).into(), rail.into()]);
+            let (found, truths) = look(&scene, &moving(1.5), Exposure::default(), seed);
+            assert_found(&format!("level {level}, seed {seed}"), &found, &truths, 0.01);
+            for (range, truth) in found.iter().zip(&truths) {
+                assert!(range.first_row <= 2 && range.last_row >= ROWS - 3, "{range:?}");
+                assert!(range.edges.abs_diff(truth.visible_rows) <= 5, "{range:?} for {truth:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bars_that_leave_at_the_side() {
+    for seed in 1..6 {
+        for (bearing, speed_m_s) in [(-0.44, 1.5), (0.44, -1.5)] {
+            let scene = scene_of(180.0, [Bar::upright(bearing, 0.5, 0.03, 60.0).into()]);
+            let (found, truths) = look(&scene, &moving(speed_m_s), Exposure::default(), seed);
+            assert_found(&format!("{bearing}, seed {seed}"), &found, &truths, 0.02);
+        }
+    }
+}
+
+/// Whatever is told of them is right: some of it comes too late to be told.
+#[test]
+fn bars_that_enter_at_the_side() {
+    for seed in 1..6 {
+        for (bearing, depth_m, width_m, speed_m_s) in
+            [(0.58, 0.5, 0.03, 1.5), (-0.58, 0.5, 0.03, -1.5), (0.66, 0.5, 0.1, 1.5), (-0.66, 0.5, 0.1, -1.5)]
+        {
+            let scene = scene_of(180.0, [Bar::upright(bearing, depth_m, width_m, 60.0).into()]);
+            let (found, truths) = look(&scene, &moving(speed_m_s), Exposure::default(), seed);
+            assert!(!found.is_empty(), "{bearing}, seed {seed}");
+            for range in &found {
+                let truth = truths.iter().find(|truth| truth.polarity == range.polarity).expect("a side of the bar");
+                let (off, normal) = errors(range, truth);
+                assert_eq!(range.status, RangeStatus::Ok, "{bearing}, seed {seed}: {range:?}");
+                assert!(off.abs() < 0.02 && normal.abs() < 4.0, "{bearing}, seed {seed}: {range:?} for {truth:?}");
+            }
+        }
+    }
+}
+
+/// Whether a frame with one leaning bar has an `Ok`.
+fn lean_is_taken_for_a_distance(degrees: f32, speed_m_s: f64, time_s: f32, seed: u64, blur_known: bool) -> bool {
+    let world = moving(speed_m_s);
+    let bar = Bar::upright(0.02, 2.0, 0.1, 60.0).leaning(degrees.to_radians().tan());
+    let exposure = Exposure { time_s, ..Exposure::default() };
+    let (frame, _) = render(&scene_of(180.0, [bar.into()]), &world, TOP, exposure, seed);
+    let mut setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP);
+    if blur_known {
+        setup = setup.with_motion_blur(MotionBlur::of_lens(time_s, exposure.psf_sigma_px)).expect("sound parameters");
+    }
+    statuses(&ranges_of(&mut SmallRanger::new(), &setup, &world, &frame)).contains(&RangeStatus::Ok)
+}
+
+/// A lean makes a slope without blur.
+#[test]
+fn motion_blur_tells_leaning_bars() {
+    let mut taken = 0;
+    for degrees in [8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 45.0, 50.0, 60.0] {
+        for (lean, speed_m_s) in [(degrees, 1.5), (-degrees, 1.5), (degrees, 0.5), (-degrees, -1.5)] {
+            for time_s in [0.002, 0.005, 0.008] {
+                let ok = |known| lean_is_taken_for_a_distance(lean, speed_m_s, time_s, 1, known);
+                assert!(!ok(true), "{lean} degrees, {speed_m_s} m/s, {time_s} s");
+                taken += u32::from(ok(false));
+            }
+        }
+    }
+    assert!(taken > 30, "without it, only {taken} are taken for distances");
+}
+
+/// The upright bar beside them keeps its range.
+#[test]
+fn motion_blur_bears_upright_bars_out() {
+    for (time_s, speed_m_s) in [(0.002, 1.5), (0.005, -1.5), (0.008, 1.5), (0.016, 1.5)] {
+        let exposure = Exposure { time_s, ..Exposure::default() };
+        for seed in 1..6 {
+            let world = moving(speed_m_s);
+            let (frame, truths) = render(&post(), &world, TOP, exposure, seed);
+            let blur = MotionBlur::of_lens(time_s, exposure.psf_sigma_px);
+            let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP).with_motion_blur(blur).expect("sound");
+            let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
+            assert_found(&format!("{time_s} s, seed {seed}"), &found, &truths, 0.02);
+        }
+    }
+}
+
+/// Hardly ever: where a texture has a straight edge without motion blur that leans as far as the motion does, it is one.
+#[test]
+fn texture_is_no_bar() {
+    let mut taken = Vec::new();
+    for (contrast, cell) in [(25.0, 0.04), (25.0, 0.08), (50.0, 0.03), (50.0, 0.08), (80.0, 0.15)] {
+        for seed in 1..9 {
+            let world = moving(1.5);
+            let exposure = Exposure { time_s: 0.004, ..Exposure::default() };
+            let texture = Texture { contrast, cell, seed };
+            let scene = Scene::<1>::new(Background::textured(128.0, texture)).expect("sound background");
+            let (frame, _) = render(&scene, &world, TOP, exposure, seed.into());
+            let blur = MotionBlur::of_lens(exposure.time_s, exposure.psf_sigma_px);
+            let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP).with_motion_blur(blur).expect("sound");
+            let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
+            let ok = found.iter().filter(|range| range.status == RangeStatus::Ok);
+            taken.extend(ok.map(|range| (contrast, cell, seed, range.edges, range.estimate)));
+        }
+    }
+    for one in &taken {
+        println!("{one:?}");
+    }
+    assert!(taken.len() <= 4, "in 40 frames: {taken:#?}");
+}
+
+#[test]
+fn flat_gives_nothing() {
+    for (read_noise, level) in [(0.0, 0.0), (0.0, 128.0), (0.0, 255.0), (1.0, 60.0), (5.0, 128.0), (25.0, 128.0)] {
+        for seed in 1..4 {
+            let exposure = Exposure { read_noise, ..Exposure::default() };
+            let (found, _) = look(&scene_of(level, []), &moving(1.5), exposure, seed);
+            assert!(found.is_empty(), "noise {read_noise}, level {level}, seed {seed}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn faint_and_noisy() {
+    for (levels, read_noise) in
+        [([130.0, 115.0], 2.5), ([115.0, 130.0], 2.5), ([100.0, 160.0], 12.0), ([160.0, 100.0], 12.0)]
+    {
+        let exposure = Exposure { read_noise, shot_gain: 0.0, ..Exposure::default() };
+        for seed in 1..6 {
+            let scene = scene_of(levels[0], [Bar::upright(0.05, 2.0, 0.2, levels[1]).into()]);
+            let (found, truths) = look(&scene, &moving(1.5), exposure, seed);
+            assert_found(&format!("{levels:?}, noise {read_noise}, seed {seed}"), &found, &truths, 0.05);
+        }
+    }
+}
+
+#[test]
+fn long_motion_blur() {
+    // 1.5 m/s at 0.6 m: 750 px/s.
+    for path_px in [8.0, 12.0, 16.0, 20.0, 24.0, 28.0] {
+        for seed in 1..4 {
+            let scene = scene_of(180.0, [Bar::upright(0.05, 0.6, 0.15, 60.0).into()]);
+            let exposure = Exposure { time_s: path_px / 750.0, ..Exposure::default() };
+            let (found, truths) = look(&scene, &moving(1.5), exposure, seed);
+            assert_found(&format!("{path_px} px, seed {seed}"), &found, &truths, 0.01);
+        }
+    }
+}
+
+/// A frame as it should be; then a torn one, as `tear` tears it, which yields nothing; then again one as it should be.
+fn assert_recovers(name: &str, direction: ReadoutDirection, tear: impl Fn(&mut SmallRanger, &Setup<f32>, &Frame)) {
+    let world = moving(1.5);
+    let (frame, truths) = render(&post(), &world, direction, Exposure::default(), 1);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, direction);
+    let mut ranger = SmallRanger::new();
+    assert_found(name, &ranges_of(&mut ranger, &setup, &world, &frame), &truths, 0.01);
+    tear(&mut ranger, &setup, &frame);
+    assert!(ranger.is_torn(), "{name}");
+    for index in [0, 1, 120, 239] {
+        let row = setup.readout().row_after(index);
+        assert_eq!(ranger.row(&setup, row, &frame[usize::from(row)]), Err(RowError::Torn), "{name}");
+    }
+    assert_eq!(ranger.ranges(&setup, &world.motion()), [], "{name}");
+    ranger.end_frame(&setup);
+    assert_eq!(ranger.ranges(&setup, &world.motion()), [], "{name}");
+    assert!(!ranger.is_torn(), "{name}");
+    assert_found(name, &ranges_of(&mut ranger, &setup, &world, &frame), &truths, 0.01);
+}
+
+/// The first rows of a frame, in the order of readout.
+fn feed(ranger: &mut SmallRanger, setup: &Setup<f32>, frame: &Frame, rows: u16) {
+    for index in 0..rows {
+        let row = setup.readout().row_after(index);
+        ranger.row(setup, row, &frame[usize::from(row)]).expect("rows in order");
+    }
+}
+
+#[test]
+fn torn_frames() {
+    for direction in [TOP, ReadoutDirection::BottomToTop] {
+        let bottom_up = direction == ReadoutDirection::BottomToTop;
+        let row_at = |index: u16| if bottom_up { 239 - index } else { index };
+        // Index of the row in the order of readout, and which one comes instead: left out, repeated, long gone, not there.
+        for (index, instead) in [(100, 101), (100, 99), (100, 20), (1, 0), (0, 1), (0, 120), (239, 238)] {
+            assert_recovers(&format!("{instead} for {index}"), direction, |ranger, setup, frame| {
+                feed(ranger, setup, frame, index);
+                let (row, expected) = (row_at(instead), row_at(index));
+                let refused = ranger.row(setup, row, &frame[usize::from(row)]);
+                assert_eq!(refused, Err(RowError::Order { row, expected }));
+            });
+        }
+        for row in [240, 241, u16::MAX] {
+            assert_recovers(&format!("row {row}"), direction, |ranger, setup, frame| {
+                feed(ranger, setup, frame, 100);
+                let refused = ranger.row(setup, row, &frame[0]);
+                assert_eq!(refused, Err(RowError::Order { row, expected: row_at(100) }));
+            });
+        }
+        for pixels in [0, 1, 319, 321] {
+            assert_recovers(&format!("{pixels} pixels"), direction, |ranger, setup, frame| {
+                feed(ranger, setup, frame, 100);
+                let refused = ranger.row(setup, row_at(100), &vec![0; pixels]);
+                assert_eq!(refused, Err(RowError::Length { row: row_at(100), pixels, columns: COLUMNS }));
+            });
+        }
+        for rows in [0, 1, 100, 240] {
+            assert_recovers("torn by the driver", direction, |ranger, setup, frame| {
+                feed(ranger, setup, frame, rows);
+                ranger.tear();
+            });
+        }
+    }
+}
+
+/// A row too many after a whole frame, as when the end of the frame was overlooked.
+#[test]
+fn one_row_too_many() {
+    assert_recovers("the next frame's first row", TOP, |ranger, setup, frame| {
+        feed(ranger, setup, frame, ROWS);
+        assert!(matches!(ranger.row(setup, 0, &frame[0]), Err(RowError::Order { row: 0, .. })));
+    });
+}
+
+#[test]
+fn the_same_bytes_the_same_ranges() {
+    let world = moving(1.5);
+    let texture = Texture { contrast: 25.0, cell: 0.05, seed: 3 };
+    let mut scene = Scene::<2>::new(Background::textured(150.0, texture)).expect("sound background");
+    scene.push(Bar::upright(0.05, 2.0, 0.1, 40.0)).expect("a sound bar");
+    scene.push(Bar::upright(-0.2, 1.0, 0.1, 60.0).leaning(0.1)).expect("a sound bar");
+    let frames = [1, 2, 3].map(|seed| render(&scene, &world, TOP, Exposure::default(), seed).0);
+    let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP);
+    let run = || {
+        let mut ranger = SmallRanger::new();
+        let found: Vec<_> = frames.iter().map(|frame| ranges_of(&mut ranger, &setup, &world, frame)).collect();
+        (found, *ranger.counters())
+    };
+    let first = run();
+    assert!(first.0.iter().all(|found| found.len() >= 2), "{first:?}");
+    assert_eq!(first, run());
+}
+
+#[test]
+fn memory() {
+    let bytes = size_of::<Ranger<16, 10, 32>>();
+    assert!(bytes <= 10 * 1024, "{bytes}");
+}

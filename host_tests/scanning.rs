@@ -1,0 +1,360 @@
+//! `Scanner`: the edges of single rows of pixels, against rendered rows.
+
+use shutter_range::sim::{Background, Bar, Exposure, Object, Scene, Simulator, Texture};
+use shutter_range::{Polarity, ReadoutDirection, ScannedEdge, Scanner, Uncertainty};
+
+use crate::projection;
+
+const COLUMNS: u16 = 320;
+
+/// A QVGA camera of 300 px of focal length, at rest.
+fn still() -> projection::Scene {
+    projection::Scene {
+        columns: COLUMNS,
+        rows: 240,
+        focal_px: 300.0,
+        cx: 159.5,
+        cy: 119.5,
+        velocity_m_s: [0.0; 3],
+        ..projection::Scene::vga()
+    }
+}
+
+/// A rendered row for each number of `rows`, all of the same scene at rest.
+fn rows_of<const N: usize>(
+    scene: &Scene<N>,
+    exposure: Exposure,
+    seed: u64,
+    rows: impl Iterator<Item = u32>,
+) -> Vec<Vec<u8>> {
+    let setup = still().setup_read::<f32>(Uncertainty::NONE, ReadoutDirection::TopToBottom);
+    let (camera, readout) = (setup.camera(), setup.readout());
+    let simulator =
+        Simulator::new(scene, camera, readout, &still().motion(), exposure, seed).expect("sound parameters");
+    let row = |number: u32| {
+        let mut pixels = vec![0; COLUMNS.into()];
+        simulator.clone().at_frame(number / 240, 0).row((number % 240) as u16, &mut pixels);
+        pixels
+    };
+    rows.map(row).collect()
+}
+
+fn scene_of<const N: usize>(background: Background, objects: [Object; N]) -> Scene<N> {
+    let mut scene = Scene::new(background).expect("sound background");
+    for object in objects {
+        scene.push(object).expect("a sound object");
+    }
+    scene
+}
+
+/// One level to the left of a column, another to the right of it.
+fn step(column: f64, levels: [f32; 2]) -> Scene<1> {
+    let [left, right] = levels;
+    let bearing = (column - 159.5) / 300.0;
+    scene_of(Background::plain(left), [Bar::upright((bearing + 2.0) as f32, 1.0, 4.0, right).into()])
+}
+
+fn flat(level: f32) -> Scene<0> {
+    scene_of(Background::plain(level), [])
+}
+
+fn noisy(read_noise: f32) -> Exposure {
+    Exposure { read_noise, ..Exposure::IDEAL }
+}
+
+/// Row 0 without noise.
+fn first_row_of<const N: usize>(scene: &Scene<N>, exposure: Exposure) -> Vec<u8> {
+    rows_of(scene, exposure, 1, 0..1).remove(0)
+}
+
+fn scan(scanner: &mut Scanner, pixels: &[u8]) -> Vec<ScannedEdge> {
+    let mut edges = Vec::new();
+    scanner.scan(pixels, |edge| edges.push(edge));
+    edges
+}
+
+fn only(edges: &[ScannedEdge]) -> ScannedEdge {
+    let [edge] = edges else { panic!("one edge: {edges:?}") };
+    *edge
+}
+
+/// Those within four pixels of a column.
+fn near(edges: &[ScannedEdge], column: f64) -> Vec<ScannedEdge> {
+    edges.iter().filter(|edge| (column_px(edge) - column).abs() < 4.0).copied().collect()
+}
+
+fn column_px(edge: &ScannedEdge) -> f64 {
+    f64::from(edge.column_q16) / 65536.0
+}
+
+/// A row of steps: a level up to each column, the last one to the end.
+fn steps(length: usize, levels: &[(usize, u8)]) -> Vec<u8> {
+    let mut row = vec![0; length];
+    for (from, level) in levels {
+        row[*from..].fill(*level);
+    }
+    row
+}
+
+/// Sharp to widely blurred, at all phases and all places in a block. A faint edge's flanks end below the threshold, on the
+/// side where the pixels' phase has less of them.
+#[test]
+fn columns_of_a_fraction_of_a_pixel() {
+    for (psf_sigma_px, bound_px) in
+        [(0.0, 0.05), (0.5, 0.05), (0.7, 0.05), (1.0, 0.05), (1.5, 0.05), (2.0, 0.05), (3.0, 0.07)]
+    {
+        let exposure = Exposure { psf_sigma_px, ..Exposure::IDEAL };
+        for (levels, bound_px) in [([30.0, 230.0], bound_px), ([230.0, 30.0], bound_px), ([100.0, 140.0], 0.2)] {
+            let mut worst = 0.0_f64;
+            for sixteenths in 0..16 * 17 {
+                let column = 150.01 + f64::from(sixteenths) / 16.0;
+                let row = first_row_of(&step(column, levels), exposure);
+                let found = only(&scan(&mut Scanner::new(), &row));
+                worst = worst.max((column_px(&found) - column).abs());
+                let contrast = levels[1] - levels[0];
+                let ratio = f32::from(found.contrast) / contrast;
+                assert!((0.8..1.02).contains(&ratio), "{psf_sigma_px} px of blur: {found:?} for {contrast}");
+                assert_eq!(found.polarity() == Polarity::Rising, contrast > 0.0);
+            }
+            println!("{levels:?} {psf_sigma_px} px of blur: {worst} px");
+            assert!(worst < bound_px, "{psf_sigma_px} px of blur: {worst} px");
+        }
+    }
+}
+
+/// The width is that of the lens and the pixel.
+#[test]
+fn width_grows_with_blur() {
+    let mut before = 0.0;
+    for psf_sigma_px in [0.5_f32, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0] {
+        let exposure = Exposure { psf_sigma_px, ..Exposure::IDEAL };
+        let width = |sixteenths: u16| {
+            let row = first_row_of(&step(150.0 + f64::from(sixteenths) / 16.0, [30.0, 230.0]), exposure);
+            f32::from(only(&scan(&mut Scanner::new(), &row)).width_q8) / 256.0
+        };
+        let width = (0..16).map(width).sum::<f32>() / 16.0;
+        let expected = (psf_sigma_px * psf_sigma_px + 1.0 / 12.0).sqrt();
+        assert!((width / expected - 1.0).abs() < 0.1, "{width} for {expected}");
+        assert!(width > before, "{width} for {expected}");
+        before = width;
+    }
+}
+
+/// What a row alone says of its edge's noise, where noise rules and not the threshold at the edge's flanks.
+#[test]
+fn sigma_of_isolated_edges() {
+    for (read_noise, contrast, psf_sigma_px) in
+        [(2.0, 40.0, 0.7), (2.0, 150.0, 0.7), (2.0, 150.0, 2.0), (5.0, 100.0, 1.0), (12.0, 150.0, 0.7)]
+    {
+        let column = 160.3;
+        let scene = step(column, [60.0, 60.0 + contrast]);
+        let mut scanner = Scanner::new();
+        let mut others = 0;
+        let (mut count, mut sum, mut squares, mut sigmas) = (0.0, 0.0, 0.0, 0.0);
+        for row in rows_of(&scene, Exposure { psf_sigma_px, ..noisy(read_noise) }, 3, 0..480) {
+            let edges = scan(&mut scanner, &row);
+            let edge = only(&near(&edges, column));
+            others += edges.len() - 1;
+            let off = column_px(&edge) - column;
+            (count, sum, squares) = (count + 1.0, sum + off, squares + off * off);
+            sigmas += f64::from(edge.sigma_q16) / 65536.0;
+        }
+        let mean = sum / count;
+        let (deviation, sigma) = (f64::sqrt(squares / count - mean * mean), sigmas / count);
+        let case = format!("noise {read_noise}, contrast {contrast}, {psf_sigma_px} px of blur");
+        assert!((0.7..1.4).contains(&(deviation / sigma)), "{case}: {deviation} for {sigma}");
+        assert!(mean.abs() < 0.05, "{case}: bias {mean}");
+        assert!(others <= 5, "{case}: {others} false edges in 480 rows");
+    }
+}
+
+/// On the average over the rows; from one row to the next it wavers.
+#[test]
+fn noise_is_estimated() {
+    for read_noise in [0.5_f32, 1.0, 1.5, 2.0, 2.5, 3.0, 5.0, 8.0, 12.0, 20.0] {
+        let mut scanner = Scanner::new();
+        let (mut sum, mut worst) = (0.0, 0.0_f32);
+        let expected = (read_noise * read_noise + 1.0 / 12.0).sqrt();
+        for (index, row) in rows_of(&flat(128.0), noisy(read_noise), 5, 0..960).iter().enumerate() {
+            scanner.scan(row, |_| {});
+            if index >= 48 {
+                let ratio = scanner.noise_q8() as f32 / 256.0 / expected;
+                sum += ratio / (960.0 - 48.0);
+                worst = worst.max(ratio.max(1.0 / ratio));
+            }
+        }
+        println!("noise {read_noise}: {sum}, worst {worst}");
+        assert!((sum - 1.0).abs() < 0.2, "noise {read_noise}: {sum} of it");
+        assert!(worst < 2.5, "noise {read_noise}: {worst} of it, once");
+    }
+    let mut scanner = Scanner::new();
+    (0..240).for_each(|_| scanner.scan(&[100; 320], |_| {}));
+    assert_eq!(scanner.noise_q8(), 74, "rounding alone");
+}
+
+#[test]
+fn noise_is_no_edge() {
+    for read_noise in [0.0, 0.3, 1.0, 2.5, 5.0, 12.0, 25.0] {
+        let mut scanner = Scanner::new();
+        let rows = rows_of(&flat(128.0), noisy(read_noise), 7, 0..1000);
+        let found: usize = rows.iter().map(|row| scan(&mut scanner, row).len()).sum();
+        assert!(found <= 3, "noise {read_noise}: {found} edges in 1000 rows");
+    }
+}
+
+#[test]
+fn the_threshold_follows_the_noise() {
+    for (before, after) in [(1.0, 5.0), (1.0, 12.0), (2.5, 25.0)] {
+        let mut scanner = Scanner::new();
+        for row in rows_of(&flat(128.0), noisy(before), 7, 0..240) {
+            scanner.scan(&row, |_| {});
+        }
+        let rows = rows_of(&flat(128.0), noisy(after), 8, 0..240);
+        let found: Vec<usize> = rows.iter().map(|row| scan(&mut scanner, row).len()).collect();
+        let later: usize = found[48..].iter().sum();
+        assert!(later <= 1, "from noise {before} to {after}: {found:?}");
+    }
+}
+
+/// Exact from 8 px off the border on, or off the end of the last whole block.
+#[test]
+fn edges_near_the_border() {
+    for length in [100, 112, 319, 320, 321, 335, 640] {
+        let most = length / 16 * 16 - 8;
+        for at in 8..=most {
+            let found = only(&scan(&mut Scanner::new(), &steps(length, &[(0, 50), (at, 200)])));
+            let off = column_px(&found) - (at as f64 - 0.5);
+            assert!(off.abs() < 0.001, "{found:?} for {at} of {length}");
+        }
+        for at in (0..8).chain(most..=length) {
+            for edge in scan(&mut Scanner::new(), &steps(length, &[(0, 50), (at, 200)])) {
+                assert!((0.0..length as f64).contains(&column_px(&edge)), "{edge:?} for {at} of {length}");
+            }
+        }
+    }
+}
+
+#[test]
+fn short_rows() {
+    for length in 0..70 {
+        for at in 0..=length {
+            for (left, right) in [(50, 200), (255, 0)] {
+                for edge in scan(&mut Scanner::new(), &steps(length, &[(0, left), (at, right)])) {
+                    assert!((0.0..length as f64).contains(&column_px(&edge)), "{edge:?} for {at} of {length}");
+                }
+            }
+        }
+    }
+    for pixel in [0, 128, 255] {
+        assert!(scan(&mut Scanner::new(), &[pixel]).is_empty());
+    }
+    // Nothing to learn from, but no harm either.
+    let mut scanner = Scanner::new();
+    (0..1000).for_each(|_| scanner.scan(&[], |_| panic!("an edge in an empty row")));
+    assert_eq!(only(&scan(&mut scanner, &steps(320, &[(0, 50), (160, 200)]))).contrast, 150);
+}
+
+#[test]
+fn the_longest_row() {
+    for length in [32_767, 32_768, 65_535, 100_000] {
+        let found = scan(&mut Scanner::new(), &steps(length, &[(0, 50), (16_384, 200), (32_700, 10)]));
+        let [rising, falling] = found.as_slice() else { panic!("two edges: {found:?}") };
+        assert_eq!((column_px(rising), rising.contrast), (16_383.5, 150));
+        assert_eq!((column_px(falling), falling.contrast), (32_699.5, -190));
+    }
+    // Columns end where 1/65536 px does.
+    for at in [32_760, 32_768, 32_780, 90_000] {
+        for edge in scan(&mut Scanner::new(), &steps(100_000, &[(at, 255)])) {
+            assert!((column_px(&edge) - (at as f64 - 0.5)).abs() < 0.1, "{edge:?} for {at}");
+        }
+    }
+}
+
+#[test]
+fn from_black_to_burnt_out() {
+    for levels in [[0.0, 255.0], [255.0, 0.0]] {
+        for psf_sigma_px in [0.0, 0.7, 2.0] {
+            for phase in 0..16 {
+                let column = 150.0 + f64::from(phase) / 16.0;
+                let row = first_row_of(&step(column, levels), Exposure { psf_sigma_px, ..Exposure::IDEAL });
+                let found = only(&scan(&mut Scanner::new(), &row));
+                assert!((column_px(&found) - column).abs() < 0.05, "{found:?} for {column}");
+                assert!((f32::from(found.contrast) - (levels[1] - levels[0])).abs() <= 4.0, "{found:?}");
+            }
+        }
+    }
+    // The burnt-out side has no noise, and noise cut off on the dark side shifts a little.
+    for seed in 0..20 {
+        let rows = rows_of(&step(150.3, [0.0, 255.0]), Exposure { psf_sigma_px: 0.7, ..noisy(5.0) }, seed, 0..1);
+        let found = only(&near(&scan(&mut Scanner::new(), &rows[0]), 150.3));
+        assert!((column_px(&found) - 150.3).abs() < 0.15, "seed {seed}: {found:?}");
+    }
+    for level in [0, 255] {
+        assert!(scan(&mut Scanner::new(), &[level; 640]).is_empty());
+    }
+}
+
+/// Rows with bars, a lean and a background that is not plain.
+fn busy_rows(exposure: Exposure) -> Vec<Vec<u8>> {
+    let texture = Texture { contrast: 25.0, cell: 0.08, seed: 7 };
+    let bars = [
+        Bar::upright(-0.3, 1.5, 0.12, 50.0),
+        Bar::upright(0.02, 2.5, 0.03, 70.0),
+        Bar::upright(0.25, 4.0, 0.5, 210.0),
+        Bar::upright(0.1, 1.2, 0.05, 60.0).leaning(0.2),
+    ];
+    let scene = scene_of(Background::textured(150.0, texture), bars.map(Object::from));
+    rows_of(&scene, exposure, 11, 0..240)
+}
+
+/// The negative has the same edges of the other polarity, and a brighter row has the same edges.
+#[test]
+fn negatives_and_brighter_rows() {
+    let [mut original, mut negative, mut brighter] = [Scanner::new(); 3];
+    let mut count = 0;
+    for row in busy_rows(Exposure { psf_sigma_px: 0.8, ..noisy(2.0) }) {
+        let edges = scan(&mut original, &row);
+        let inverted: Vec<u8> = row.iter().map(|pixel| 255 - pixel).collect();
+        let flipped = edges.iter().map(|edge| ScannedEdge { contrast: -edge.contrast, ..*edge });
+        assert_eq!(scan(&mut negative, &inverted), flipped.collect::<Vec<_>>());
+        let lifted: Vec<u8> = row.iter().map(|pixel| pixel + 20).collect();
+        assert_eq!(scan(&mut brighter, &lifted), edges);
+        count += edges.len();
+    }
+    assert!(count > 500, "{count} edges");
+    assert_eq!((original, original), (negative, brighter));
+}
+
+/// Without noise: it is sampled elsewhere in a mirrored row, and the threshold with it.
+#[test]
+fn mirrored_rows() {
+    let bars = [
+        Bar::upright(-0.3, 1.5, 0.12, 50.0),
+        Bar::upright(0.02, 2.5, 0.03, 70.0),
+        Bar::upright(0.1, 1.2, 0.05, 60.0).leaning(0.1),
+    ];
+    let scene = scene_of(Background::plain(150.0), bars.map(Object::from));
+    for psf_sigma_px in [0.3, 0.8, 2.0] {
+        for row in rows_of(&scene, Exposure { psf_sigma_px, ..Exposure::IDEAL }, 1, 0..240) {
+            let edges = scan(&mut Scanner::new(), &row);
+            let mirrored = scan(&mut Scanner::new(), &row.iter().rev().copied().collect::<Vec<_>>());
+            assert_eq!((edges.len(), mirrored.len()), (6, 6));
+            for (edge, other) in edges.iter().zip(mirrored.iter().rev()) {
+                assert!((column_px(edge) + column_px(other) - 319.0).abs() < 0.001, "{edge:?}, {other:?}");
+                assert_eq!(edge.contrast, -other.contrast);
+                assert!(edge.width_q8.abs_diff(other.width_q8) <= 1, "{edge:?}, {other:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn handed_over_as_an_edge() {
+    let edge = only(&scan(&mut Scanner::new(), &steps(320, &[(0, 200), (160, 50)])));
+    let placed = edge.at(17, 1_234);
+    assert_eq!((placed.row, placed.time_ns, placed.polarity), (17, 1_234, Polarity::Falling));
+    assert_eq!(
+        (placed.column_q16, placed.sigma_q16, placed.width_q8),
+        (edge.column_q16, edge.sigma_q16, edge.width_q8)
+    );
+}
