@@ -91,7 +91,7 @@ impl<S: Scalar> Range<S> {
 /// A short line that fits badly is a piece of something else: only a long one can be straight beside a restless background.
 fn is_fragment<S: Scalar>(range: &Range<S>) -> bool {
     const LONG_EDGES: u16 = 48;
-    range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(2, 1)
+    range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(3, 2)
 }
 
 /// Whether the edges' width contradicts the motion that their slope implies.

@@ -11,6 +11,8 @@ use crate::{Counters, Edge, EdgeError, Motion, Range, RowError, Scalar, Scanner,
 /// Glue only: it checks the edges, collects those of a row in the order of their columns, hands them to the
 /// [`Tracker`] and ranges the lines that end. It holds tables and no parameters, so that it can be a `static`.
 ///
+/// On a small board make it a `static`, or write `const { Ranger::new() }`: it is then never built and copied on the stack.
+///
 /// *Memory*: at most `LINES` × (120 + 40 `KNOTS`) + 24 `EDGES` + 64 bytes.
 ///
 /// ```
@@ -33,6 +35,7 @@ use crate::{Counters, Edge, EdgeError, Motion, Range, RowError, Scalar, Scanner,
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ranger<const LINES: usize, const KNOTS: usize, const EDGES: usize> {
     tracker: Tracker<LINES, KNOTS>,
     /// Edges of the row under way, by column.
@@ -44,6 +47,7 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const EDGES: usize> {
 
 /// The row that came last, and its latest time.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct LastRow {
     row: u16,
     time_ns: i64,

@@ -30,6 +30,7 @@ pub struct Counters {
 /// *Cost*: per row an insertion sort of the lines, which hardly change places, and for each polarity a sweep over edges and
 /// lines together.
 #[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tracker<const LINES: usize, const KNOTS: usize> {
     tracks: [Option<Track<KNOTS>>; LINES],
     counters: Counters,
@@ -41,6 +42,7 @@ pub struct Tracker<const LINES: usize, const KNOTS: usize> {
 }
 
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Track<const KNOTS: usize> {
     line: Line<KNOTS>,
     state: State,
@@ -54,6 +56,7 @@ struct Track<const KNOTS: usize> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum State {
     Tentative,
     Confirmed,

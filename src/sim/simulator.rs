@@ -14,6 +14,7 @@ use crate::{Camera, Distortion, Motion, ParameterError, Readout, Twist};
 /// The motion goes on for ever: [`Simulator::at_frame`] moves on to later frames. All random numbers depend on seed,
 /// frame, row and column only, so rows may come in any order and as often as liked.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Simulator<'a, const OBJECTS: usize> {
     scene: &'a Scene<OBJECTS>,
     lens: Lens,

@@ -12,6 +12,7 @@ const MAX_SLOPE: f64 = 20.0;
 
 /// Intrinsics in double precision.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Lens {
     fx: f64,
     fy: f64,
