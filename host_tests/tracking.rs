@@ -4,7 +4,7 @@ use rand::{Rng, SeedableRng, rngs::StdRng};
 use shutter_range::{Edge, Estimate, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, Uncertainty};
 
 use crate::projection::Scene;
-use crate::scenes::{TENTH_DEGREE, q16, tilt_of};
+use crate::scenes::{TENTH_DEGREE, q16, reference_lines, tilt_of};
 
 /// Streams rows of edges (from the top) through a ranger and returns its ranges from left to right.
 fn ranges(scene: &Scene, rows: &[Vec<Edge>]) -> Vec<Range<f64>> {
@@ -135,6 +135,26 @@ fn sparse_rows() {
             std::iter::from_fn(|| ranger.next_range(&setup, &scene.motion())).collect::<Vec<Range<f64>>>();
         found.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
         assert_depths(&found, &[3.0, 1.0]);
+    }
+}
+
+/// Edges that attitude and rotation bend stay one line, on every row and on one in twenty.
+#[test]
+fn curved_edges_are_one_line() {
+    for line in reference_lines() {
+        let scene = line.scene();
+        let setup = scene.setup::<f64>();
+        for edges in [line.edges(), scene.edges()] {
+            let mut ranger: Ranger<4, 32, 4> = Ranger::new();
+            for edge in edges {
+                ranger.edge(&setup, edge).expect("a sound edge");
+            }
+            ranger.end_frame(&setup);
+            let found = ranger.ranges(&setup, &scene.motion::<f64>());
+            assert_eq!(found.len(), 1, "{}: {found:#?}", line.kind);
+            let off = found[0].estimate.inverse_depth_per_m * line.truth.depth_m - 1.0;
+            assert!(off.abs() < 1e-3, "{}: {off}", line.kind);
+        }
     }
 }
 

@@ -111,7 +111,9 @@ mod edge;
 mod scan;
 mod profile;
 mod line;
+mod sweep;
 mod track;
+mod tracker;
 
 // From a line to a range.
 mod sight;
@@ -147,7 +149,7 @@ pub use scalar::Q32;
 pub use scalar::Scalar;
 pub use scan::{ScannedEdge, Scanner};
 pub use setup::{Limits, MotionBlur, Setup, Uncertainty};
-pub use track::{Counters, Tracker};
+pub use tracker::{Counters, Tracker};
 
 #[cfg(all(doctest, feature = "libm"))]
 #[doc = include_str!("../README.md")]

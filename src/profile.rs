@@ -43,6 +43,7 @@ const LEAST_BLUR_Q8: u16 = 148;
 /// What an edge is taken to be blurred at least before more is known.
 const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
+
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neighbours {
@@ -212,7 +213,7 @@ impl Profile {
         }
     }
 
-    /// Running means: an eighth of each new row, more at first.
+    /// Running means: a small part of each new row, more at first.
     fn learn(&mut self, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
         let rows = i64::from(self.rows);

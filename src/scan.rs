@@ -47,8 +47,8 @@ impl ScannedEdge {
 /// difference of two neighbouring windows of four pixels exceeds four sigma of what is usual in these rows, be that noise or
 /// texture, and six grey levels.
 ///
-/// *Limits*: an edge within eight pixels of the border is not seen, nor anything in rows below 32 pixels. *Cost*: one addition per pixel, and about ten operations
-/// per pixel near something.
+/// *Limits*: an edge within eight pixels of the border is not seen, nor anything in rows below 32 pixels. *Cost*: one
+/// addition per pixel, and about ten operations per pixel near something.
 ///
 /// ```
 /// use shutter_range::Scanner;

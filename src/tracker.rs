@@ -1,0 +1,301 @@
+//! [`Tracker`]: from a stream of edges in row order to lines.
+
+use heapless::Vec;
+
+use crate::profile::{Neighbours, Profile};
+use crate::sweep::{Pair, Prediction, Settled, Sweep};
+use crate::track::{RowTime, State, Track};
+use crate::{Edge, Limits, Line, Polarity};
+
+/// What did not become part of a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Counters {
+    /// Edges refused because the row's buffer was full.
+    pub dropped_edges: u32,
+    /// Edges that would have begun a line while the table was full. A line that is refused in each of its rows counts
+    /// each time.
+    pub dropped_lines: u32,
+    /// Edges of tentative lines that were never confirmed: noise and texture.
+    pub stray_edges: u32,
+}
+
+/// Lines of a frame under way: at most `LINES` of `KNOTS` knots each.
+///
+/// Every row's edges are matched to the lines' predicted columns: an edge and a line of the same polarity that are each
+/// other's nearest, within the gate, belong together. An edge that matches nothing begins a tentative line. Lines that
+/// have missed too many rows end; a full table refuses the newcomer, counts it, and never loses a confirmed line.
+///
+/// *Cost*: per row an insertion sort of the lines, which hardly change places, and for each polarity a sweep over edges and
+/// lines together.
+#[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Tracker<const LINES: usize, const KNOTS: usize> {
+    tracks: [Option<Track<KNOTS>>; LINES],
+    counters: Counters,
+    /// Places of the lines under way and of those that wait to be taken.
+    under_way: Vec<u16, LINES>,
+    ended: Vec<u16, LINES>,
+    /// No place before this one is free.
+    occupied: usize,
+}
+
+/// Where a line has been found: edges of its polarity near there are its own.
+struct Explained {
+    column_q16: i64,
+    reach_q16: i64,
+    polarity: Polarity,
+}
+
+/// Most that [`Explained::reach_q16`] can be.
+const MAX_REACH_Q16: i64 = 34 << 16;
+
+/// A line under way, as a row sees it.
+struct Candidate {
+    prediction: Prediction,
+    slot: usize,
+    state: State,
+    polarity: Polarity,
+    /// Within this distance two edges cannot be told apart: by their noise, or their blur.
+    blur_q16: i64,
+}
+
+impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
+    /// An empty tracker.
+    #[must_use]
+    pub const fn new() -> Self {
+        let counters = Counters { dropped_edges: 0, dropped_lines: 0, stray_edges: 0 };
+        const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
+        let tracks = [const { None }; LINES];
+        Self { tracks, counters, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
+    }
+
+    /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
+    /// be left out, rows without edges should be given, since lines end by missing rows.
+    pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
+        self.occupied = 0;
+        let mut predictions = Vec::new();
+        self.predict(limits, row, &mut predictions);
+        for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
+            self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
+        }
+        self.count_missed(limits, row);
+    }
+
+    /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
+    /// of those that the row shows on its own. To be called before [`Tracker::row`] takes the rest.
+    pub(crate) fn refine<const EDGES: usize>(
+        &mut self,
+        limits: &Limits,
+        at: RowTime,
+        pixels: &[u8],
+        edges: &mut Vec<Edge, EDGES>,
+    ) {
+        let mut explained: Vec<Explained, LINES> = Vec::new();
+        // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
+        let mut candidates: Vec<Candidate, LINES> = Vec::new();
+        self.predict(limits, at.row, &mut candidates);
+        candidates.retain(|candidate| candidate.state == State::Confirmed);
+        for (index, candidate) in candidates.iter().enumerate() {
+            let Some(Some(track)) = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting)
+            else {
+                continue;
+            };
+            let column = |other: Option<&Candidate>| other.map(|other| other.prediction.column_q16);
+            let around = Neighbours {
+                left_q16: column(index.checked_sub(1).and_then(|i| candidates.get(i)))
+                    .unwrap_or(Neighbours::NONE.left_q16),
+                right_q16: column(candidates.get(index + 1)).unwrap_or(Neighbours::NONE.right_q16),
+            };
+            if let Some(edge) = track.locate(&candidate.prediction, at, pixels, around) {
+                let reach_q16 = (5 << 16) / 2 + i64::from(edge.width_q8) * 640;
+                if track.take(edge, limits) {
+                    let (column_q16, polarity) = (i64::from(edge.column_q16), edge.polarity);
+                    // One per line at most.
+                    let at = explained.partition_point(|other| other.column_q16 <= column_q16);
+                    let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity });
+                }
+            }
+        }
+        let mut nearby = 0;
+        edges.retain(|edge| {
+            let column = i64::from(edge.column_q16);
+            nearby += explained.iter().skip(nearby).take_while(|e| e.column_q16 + MAX_REACH_Q16 < column).count();
+            !explained
+                .iter()
+                .skip(nearby)
+                .take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column)
+                .any(|e| e.polarity == edge.polarity && (e.column_q16 - column).abs() <= e.reach_q16)
+        });
+    }
+
+    /// Learns what newly confirmed lines look like from the row that they were last seen in.
+    pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
+        for place in &self.under_way {
+            let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) else { continue };
+            if track.state == State::Confirmed && track.profile.is_none() && track.line.last().row == row {
+                track.profile = Profile::new(pixels, track.line.last(), Neighbours::NONE, noise_q8);
+            }
+        }
+    }
+
+    /// Forgets all lines under way, counting their edges as stray: the frame is torn.
+    pub(crate) fn abandon(&mut self) {
+        for place in &self.under_way {
+            if let Some(slot) = self.tracks.get_mut(usize::from(*place)) {
+                let edges = slot.take().map_or(0, |track| track.line.edges());
+                self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
+            }
+        }
+        self.under_way.clear();
+    }
+
+    /// Ends all confirmed lines and forgets the tentative ones.
+    pub fn end_frame(&mut self) {
+        while let Some(place) = self.under_way.pop() {
+            self.finish(place);
+        }
+    }
+
+    /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
+    pub fn next_line(&mut self) -> Option<Line<KNOTS>> {
+        let place = self.ended.pop()?;
+        self.tracks.get_mut(usize::from(place))?.take().map(|track| track.line)
+    }
+
+    /// What was dropped since the tracker was made.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    pub(crate) fn count_dropped_edge(&mut self) {
+        self.counters.dropped_edges = self.counters.dropped_edges.saturating_add(1);
+    }
+
+    /// Predictions of all lines under way that the row has not shown yet, from left to right.
+    fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
+        for place in &self.under_way {
+            let slot = usize::from(*place);
+            let track = self.tracks.get(slot).and_then(Option::as_ref);
+            // One per slot at most.
+            if let Some(track) = track.filter(|track| track.line.last().row != row) {
+                let (state, polarity) = (track.state, track.line.first().polarity);
+                let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
+                let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
+                let _ = predictions.insert(at, Candidate { prediction, slot, state, polarity, blur_q16 });
+            }
+        }
+        // Lines hardly change places: the next row finds them almost in order.
+        let order = predictions.iter().map(|candidate| candidate.slot as u16);
+        if predictions.len() == self.under_way.len() {
+            self.under_way.iter_mut().zip(order).for_each(|(place, slot)| *place = slot);
+        }
+        let mut rest: &mut [Candidate] = predictions;
+        while let Some((first, others)) = rest.split_first_mut() {
+            if let Some(second) =
+                others.iter_mut().find(|other| other.state == first.state && other.polarity == first.polarity)
+            {
+                let near_q16 = first.blur_q16.max(second.blur_q16);
+                let apart_q16 = second.prediction.column_q16 - first.prediction.column_q16;
+                if first.state == State::Confirmed && apart_q16 < near_q16 {
+                    first.prediction.coasting = true;
+                    second.prediction.coasting = true;
+                }
+            }
+            rest = others;
+        }
+    }
+
+    /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
+    /// not take its edges. What matches nothing begins a line.
+    fn match_edges<'e>(
+        &mut self,
+        limits: &Limits,
+        candidates: &[Candidate],
+        edges: impl Iterator<Item = &'e Edge>,
+        polarity: Polarity,
+    ) {
+        let lines = |state| {
+            let among = move |candidate: &&Candidate| candidate.state == state && candidate.polarity == polarity;
+            candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
+        };
+        let mut confirmed = Sweep::over(lines(State::Confirmed));
+        let mut tentative = Sweep::over(lines(State::Tentative));
+        let last = |settled, tracker: &mut Self| match settled {
+            Settled::Joined(pair) => tracker.join(&pair, limits),
+            Settled::Alone(edge) => tracker.begin(edge),
+        };
+        let mut first = |settled, tracker: &mut Self| match settled {
+            Settled::Joined(pair) => tracker.join(&pair, limits),
+            Settled::Alone(edge) => tentative.edge(edge, &mut |settled| last(settled, tracker)),
+        };
+        for edge in edges {
+            confirmed.edge(*edge, &mut |settled| first(settled, self));
+        }
+        confirmed.finish(&mut |settled| first(settled, self));
+        tentative.finish(&mut |settled| last(settled, self));
+    }
+
+    fn join(&mut self, pair: &Pair, limits: &Limits) {
+        if pair.coasting {
+            return;
+        }
+        let taken = match self.tracks.get_mut(pair.slot) {
+            Some(Some(track)) => track.take(pair.edge, limits),
+            _ => false,
+        };
+        if !taken {
+            self.begin(pair.edge);
+        }
+    }
+
+    /// Begins a tentative line, if there is room.
+    fn begin(&mut self, edge: Edge) {
+        let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, track)| track.is_none());
+        match free {
+            Some((slot, free)) => {
+                *free = Some(Track::new(edge));
+                self.occupied = slot + 1;
+                // A place for each slot.
+                let _ = self.under_way.push(slot as u16);
+            }
+            None => {
+                self.occupied = LINES;
+                self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
+            }
+        }
+    }
+
+    fn count_missed(&mut self, limits: &Limits, row: u16) {
+        let mut index = 0;
+        while let Some(place) = self.under_way.get(index).copied() {
+            let track = self.tracks.get_mut(usize::from(place)).and_then(Option::as_mut);
+            if track.is_some_and(|track| track.has_missed_too_many(limits, row)) {
+                self.under_way.swap_remove(index);
+                self.finish(place);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    /// Ends a confirmed line and drops a tentative one.
+    fn finish(&mut self, place: u16) {
+        let Some(slot) = self.tracks.get_mut(usize::from(place)) else { return };
+        if slot.as_ref().is_some_and(|track| track.state == State::Confirmed) {
+            // A place for each slot.
+            let _ = self.ended.push(place);
+        } else {
+            let edges = slot.take().map_or(0, |track| track.line.edges());
+            self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
+        }
+    }
+}
+
+impl<const LINES: usize, const KNOTS: usize> Default for Tracker<LINES, KNOTS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
