@@ -55,7 +55,7 @@ impl<S: Scalar> Range<S> {
                 range.status =
                     if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() };
                 range.estimate = estimate;
-                if range.status == RangeStatus::Ok && is_fragment(&range) {
+                if range.status == RangeStatus::Ok && is_fragment(&range, line) {
                     range.status = RangeStatus::Bent;
                 }
                 if range.status == RangeStatus::Ok && blur_contradicts(setup, motion, line, &estimate, &edge) {
@@ -88,10 +88,12 @@ impl<S: Scalar> Range<S> {
     }
 }
 
-/// A short line that fits badly is a piece of something else: only a long one can be straight beside a restless background.
-fn is_fragment<S: Scalar>(range: &Range<S>) -> bool {
+/// A short line of pixels that fits badly is a piece of something else: only a long one can be straight beside a restless
+/// background. Edges of unknown width are somebody's own, with a noise that may be understated.
+fn is_fragment<S: Scalar, const KNOTS: usize>(range: &Range<S>, line: &Line<KNOTS>) -> bool {
     const LONG_EDGES: u16 = 48;
-    range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(3, 2)
+    let of_pixels = line.last().width_q8 > 0;
+    of_pixels && range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(3, 2)
 }
 
 /// Whether the edges' width contradicts the motion that their slope implies.
