@@ -1,6 +1,10 @@
 //! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance come with an interval.
 
-use crate::Scalar;
+use crate::belief::State;
+use crate::budget::Budget;
+use crate::straightness::Straightness;
+use crate::vector::{cross, dot};
+use crate::{Scalar, Setup};
 
 /// Where an edge is, and how well that is known.
 ///
@@ -25,9 +29,9 @@ pub struct Estimate<S> {
     pub sigma_tilt: S,
     /// Correlation of bearing and inverse depth, −1 to 1.
     pub correlation: S,
-    /// The part of `sigma_inverse_depth_per_m` that speed, rotation rate, readout and focal length contribute: it moves
-    /// all edges of a frame together. (Gravity is common, too, but acts like a tilt and is counted there.)
-    pub sigma_common_per_m: S,
+    /// Which part of `sigma_inverse_depth_per_m` comes from where: what is the edge's own, and what moves all edges of a frame
+    /// together.
+    pub budget: Budget<S>,
     /// Shortest distance to the edge's line, in units of its depth: |(a, 0, 1) × g|.
     pub distance_per_depth: S,
     /// Root mean square of the residuals in units of the stated noise: about 1 for a straight edge. Where it is
@@ -73,6 +77,29 @@ pub enum RangeStatus {
 }
 
 impl<S: Scalar> Estimate<S> {
+    pub(crate) fn new(state: &State<S>, setup: &Setup<S>, straightness: &Straightness<S>) -> Self {
+        let State { edge, covariance, effects } = state;
+        let across = cross([edge.bearing, S::ZERO, S::ONE], edge.gravity);
+        let total = effects.total(*covariance, setup, edge.bearing);
+        let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma;
+        let [correlation, _, _] = total.correlation;
+        // Nothing is known of an inverse depth that the motion does not show.
+        let known = sigma_inverse_depth_per_m < S::UNKNOWN;
+        Self {
+            bearing: edge.bearing,
+            inverse_depth_per_m: if known { edge.inverse_depth } else { S::ZERO },
+            tilt: edge.tilt,
+            sigma_bearing,
+            sigma_inverse_depth_per_m,
+            sigma_tilt,
+            correlation,
+            budget: effects.budget(covariance, setup, edge.bearing),
+            distance_per_depth: dot(across, across).sqrt(),
+            misfit: straightness.misfit,
+            bent: straightness.bent,
+        }
+    }
+
     /// An estimate that says nothing.
     pub(crate) fn nothing() -> Self {
         Self {
@@ -83,7 +110,7 @@ impl<S: Scalar> Estimate<S> {
             sigma_inverse_depth_per_m: S::UNKNOWN,
             sigma_tilt: S::ZERO,
             correlation: S::ZERO,
-            sigma_common_per_m: S::ZERO,
+            budget: Budget::of_noise(S::UNKNOWN),
             distance_per_depth: S::ONE,
             misfit: S::ZERO,
             bent: false,

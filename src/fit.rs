@@ -15,12 +15,15 @@
 
 use heapless::Vec;
 
-use crate::common::Common;
+use crate::belief::{Belief, State};
+use crate::effects::Effects;
 use crate::estimate::Estimate;
+use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
-use crate::solve::{Row, Solution, solve};
+use crate::solve::{Row, Rows, Solution, solve};
+use crate::straightness::Straightness;
 use crate::vector::{cross, dot};
-use crate::{Camera, Motion, Sample, Scalar, Setup, Spread, Uncertainty};
+use crate::{Camera, Motion, Sample, Scalar, Setup, Spread};
 
 /// Why there is no estimate: a property of the scene or of the call, with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,36 +85,55 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
-    fit_line::<S, M, N>(setup, motion, samples).map(|(estimate, _)| estimate)
+    let belief = Belief { state: None, blur: None };
+    fit_with::<S, M, N>(setup, motion, samples, &belief).map(|fitted| fitted.estimate)
 }
 
-/// [`fit`], and the edge itself.
-pub(crate) fn fit_line<S: Scalar, M: Motion<S>, const N: usize>(
+/// An estimate, and what a next frame needs to go on from it.
+pub(crate) struct Fitted<S, const N: usize> {
+    pub(crate) estimate: Estimate<S>,
+    pub(crate) state: State<S>,
+    /// Which of the samples were of this edge.
+    pub(crate) kept: Vec<bool, N>,
+}
+
+/// [`fit`] with what is believed beforehand.
+pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
-) -> Result<(Estimate<S>, LineInSpace<S>), FitError> {
-    let mut sights = sight_all::<S, M, N>(setup.camera(), motion, samples)?;
-    let Uncertainty { sigma_tilt, sigma_gravity, .. } = *setup.uncertainty();
-    let least = if sigma_tilt > S::ZERO || sigma_gravity > S::ZERO { 3 } else { 2 };
-    if sights.len() < least {
-        return Err(FitError::TooFewSamples(sights.len()));
+    belief: &Belief<S>,
+) -> Result<Fitted<S, N>, FitError> {
+    let mut problem = Problem { setup, belief, sights: sight_all::<S, M, N>(setup.camera(), motion, samples)? };
+    let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
+    let least = if free_tilt && belief.state.is_none() { 3 } else { 2 };
+    if problem.sights.len() < least {
+        return Err(FitError::TooFewSamples(problem.sights.len()));
     }
-    let edge = LineInSpace::start(motion.gravity());
-    // The linear problem is exact in the first round but for tilt, weights and noise in q; those settle in two more.
-    let edge = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::First)?.edge;
-    let edge = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?.edge;
-    let mut solved = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?;
+    // The linear problem is exact in the first round but for tilt, blur, weights and noise in q; those settle in a few more.
+    let start = match &belief.state {
+        Some(state) => state.edge,
+        None => problem.round(&LineInSpace::start(motion.gravity()), Round::First)?.edge,
+    };
+    let rounds = if belief.blur.is_some() { 4 } else { 2 };
+    let mut solved = problem.rounds(&start, rounds)?;
     for _ in 0..MAX_CLEANINGS {
-        if !drop_strangers(&mut sights, &solved) {
+        if !problem.drop_strangers(&solved) {
             break;
         }
-        let edge = round::<S, N>(&sights, &solved.edge, setup.uncertainty(), Round::Later)?.edge;
-        solved = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?;
+        solved = problem.rounds(&solved.edge, 2)?;
+    }
+    let straightness = problem.straightness(&solved);
+    if straightness.significant {
+        // The noise was understated where the residuals are larger than chance allows; what is believed was not.
+        problem.sights.iter_mut().for_each(|sight| sight.sigma_px = sight.sigma_px * straightness.misfit);
+        solved = problem.rounds(&solved.edge, 1)?;
     }
     let Solved { edge, solution, rows } = solved;
-    let common = Common::of(&sights, &edge, &rows, &solution, setup.uncertainty());
-    Ok((solution.estimate(&edge, &rows, &sights, &common), edge))
+    let effects = Effects::of(&problem.sights, &edge, &rows, &solution, setup);
+    let state = State { edge, covariance: solution.covariance(), effects };
+    let estimate = Estimate::new(&state, setup, &straightness);
+    Ok(Fitted { estimate, state, kept: problem.sights.iter().map(|sight| sight.kept).collect() })
 }
 
 fn sight_all<S: Scalar, M: Motion<S>, const N: usize>(
@@ -157,54 +179,77 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
         q = q + (dot(dm, sight.position) + q * dmx) / mx * (miss / per_px);
     }
     let w = edge.offset(cross(sight.direction, edge.lean), sight) / mx;
-    Some(Row { q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px })
+    Some(Row { one: S::ONE, q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px })
 }
 
 const MAX_CLEANINGS: usize = 4;
 
-/// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
-/// five times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
-/// if more do not fit, then this is no straight edge.
-fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
-    let kept = || solved.rows.iter().zip(sights.iter()).filter(|(_, sight)| sight.kept);
-    let sizes = || kept().map(|(row, _)| solved.solution.deviation(row).abs());
-    let count = sizes().count();
-    // The median without a sort: the value that has half of the others below it.
-    let below = |limit: S| sizes().filter(|size| *size < limit).count();
-    let Some(median) = sizes().filter(|size| 2 * below(*size) <= count).reduce(S::max) else { return false };
-    let usual = (median * S::ratio(3, 2)).max(S::ONE);
-    let limit = usual * S::from_i32(5);
-    let strangers = sizes().filter(|size| *size > limit).count();
-    if strangers == 0 || 3 * (sights.len() - count + strangers) > sights.len() {
-        return false;
-    }
-    for (sight, row) in sights.iter_mut().zip(&solved.rows) {
-        sight.kept &= solved.solution.deviation(row).abs() <= limit;
-    }
-    true
+struct Problem<'a, S, const N: usize> {
+    setup: &'a Setup<S>,
+    belief: &'a Belief<S>,
+    sights: Vec<Sight<S>, N>,
 }
 
 struct Solved<S, const N: usize> {
     edge: LineInSpace<S>,
     solution: Solution<S>,
-    rows: Vec<Row<S>, N>,
+    rows: Rows<S, N>,
 }
 
-fn round<S: Scalar, const N: usize>(
-    sights: &[Sight<S>],
-    edge: &LineInSpace<S>,
-    uncertainty: &Uncertainty<S>,
-    round: Round,
-) -> Result<Solved<S, N>, FitError> {
-    let mut rows: Vec<Row<S>, N> = Vec::new();
-    for (index, sight) in sights.iter().enumerate() {
-        let mut row = observe(sight, edge, round).ok_or(FitError::Sideways(index))?;
-        if !sight.kept {
-            row.root_weight = S::ZERO;
+impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+    fn round(&self, edge: &LineInSpace<S>, round: Round) -> Result<Solved<S, N>, FitError> {
+        let mut rows = Rows::new();
+        for (index, sight) in self.sights.iter().enumerate() {
+            let mut row = observe(sight, edge, round).ok_or(FitError::Sideways(index))?;
+            if !sight.kept {
+                row.root_weight = S::ZERO;
+            }
+            // As many rows as sights.
+            let _ = rows.observed.push(row);
         }
-        // As many rows as sights.
-        let _ = rows.push(row);
+        self.belief.observe(self.setup, edge, &mut rows);
+        let solution = solve(&mut rows);
+        Ok(Solved { edge: solution.apply(edge), solution, rows })
     }
-    let solution = solve(&mut rows, edge, uncertainty);
-    Ok(Solved { edge: solution.apply(edge), solution, rows })
+
+    /// `count` more rounds, at least one.
+    fn rounds(&self, edge: &LineInSpace<S>, count: usize) -> Result<Solved<S, N>, FitError> {
+        let mut solved = self.round(edge, Round::Later)?;
+        for _ in 1..count {
+            solved = self.round(&solved.edge, Round::Later)?;
+        }
+        Ok(solved)
+    }
+
+    /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
+    /// five times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
+    /// if more do not fit, then this is no straight edge.
+    fn drop_strangers(&mut self, solved: &Solved<S, N>) -> bool {
+        let size = |row: &Row<S>| solved.solution.deviation(row).abs();
+        let kept = || solved.rows.observed.iter().zip(self.sights.iter()).filter(|(_, sight)| sight.kept);
+        let sizes = || kept().map(|(row, _)| size(row));
+        let count = sizes().count();
+        // The median without a sort: the value that has half of the others below it.
+        let below = |limit: S| sizes().filter(|size| *size < limit).count();
+        let Some(median) = sizes().filter(|size| 2 * below(*size) <= count).reduce(S::max) else { return false };
+        let usual = (median * S::ratio(3, 2)).max(S::ONE);
+        let limit = usual * S::from_i32(5);
+        let strangers = sizes().filter(|size| *size > limit).count();
+        if strangers == 0 || 3 * (self.sights.len() - count + strangers) > self.sights.len() {
+            return false;
+        }
+        for (sight, row) in self.sights.iter_mut().zip(&solved.rows.observed) {
+            sight.kept &= size(row) <= limit;
+        }
+        true
+    }
+
+    fn straightness(&self, solved: &Solved<S, N>) -> Straightness<S> {
+        // Knots are means over curved arcs: what they may cost is no sign of a bend.
+        let floor = S::ratio(1, 256);
+        let kept = solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept);
+        Straightness::of(
+            kept.map(|(row, sight)| solved.solution.deviation(row) * (sight.sigma_px / hypot(sight.sigma_px, floor))),
+        )
+    }
 }

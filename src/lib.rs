@@ -117,11 +117,16 @@ mod tracker;
 
 // From a line to a range.
 mod sight;
+mod covariance;
 mod solve;
-mod common;
+mod effects;
+mod belief;
+mod straightness;
+mod budget;
 mod estimate;
 mod fit;
 mod range;
+mod lens;
 
 // All of it, and the paper's short way.
 mod ranger;
@@ -131,12 +136,14 @@ pub mod sim;
 
 mod error;
 
+pub use budget::{Budget, ErrorSource};
 pub use camera::{Camera, Intrinsics, Ray};
 pub use distortion::Distortion;
 pub use edge::{Edge, Polarity};
 pub use error::{EdgeError, ParameterError, RowError};
 pub use estimate::{Estimate, Interval, RangeStatus};
 pub use fit::{FitError, fit};
+pub use lens::{LensBlur, LensWitness};
 pub use line::{Line, OutOfOrder, Sample, Spread};
 pub use motion::{Motion, Pose, Twist};
 pub use range::Range;

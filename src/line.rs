@@ -181,10 +181,33 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// width settles, counts only where there is no other.
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
-        let first = usize::from(self.knots.len() > 1);
-        let sums = self.knots.iter().skip(first).map(|knot| (i64::from(knot.widths_q8), i64::from(knot.edges)));
-        let (widths, edges) = sums.fold((0, 0), |(widths, edges), (w, e)| (widths + w, edges + e));
-        (widths > 0).then(|| S::from_ratio(widths, edges << 8))
+        let sum = self.settled();
+        (sum.widths_q8 > 0).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.edges) << 8))
+    }
+
+    /// One standard deviation of the mean width: each width has √2 of the noise of its column.
+    pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
+        let sum = self.settled();
+        let variances_q32 = sum.variances_q32.saturating_mul(2).min(i64::MAX as u64);
+        S::from_ratio(variances_q32.isqrt() as i64, i64::from(sum.edges) << 16)
+    }
+
+    /// All knots but the first, unless it is the only one.
+    fn settled(&self) -> Knot {
+        let mut sum = Knot::EMPTY;
+        self.knots.iter().skip(usize::from(self.knots.len() > 1)).for_each(|knot| sum.add(knot));
+        sum
+    }
+
+    /// The topmost and the lowest edge in the image.
+    pub(crate) const fn top_and_bottom(&self) -> (&Edge, &Edge) {
+        if self.first.row <= self.last.row { (&self.first, &self.last) } else { (&self.last, &self.first) }
+    }
+
+    /// Number of edges in those of the samples that are `kept`.
+    pub(crate) fn edges_in(&self, kept: impl Iterator<Item = bool>) -> u16 {
+        let filled = self.knots.iter().filter(|knot| knot.edges > 0);
+        filled.zip(kept).fold(0, |sum, (knot, kept)| if kept { knot.edges.saturating_add(sum) } else { sum })
     }
 
     /// The mean of each knot that has edges, in the order of readout.

@@ -1,7 +1,9 @@
 //! [`Range`]: what is told of one line.
 
+use crate::belief::{Belief, BlurWitness, State};
 use crate::estimate::{Estimate, Interval, RangeStatus};
-use crate::fit::{FitError, fit_line};
+use crate::fit::{FitError, Fitted, fit_with};
+use crate::lens::LensWitness;
 use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
@@ -26,8 +28,16 @@ pub struct Range<S> {
     pub column_at_last_row: S,
     /// Number of edge points.
     pub edges: u16,
+    /// Number of edge points that the estimate rests on: without those of knots that lie far off all others.
+    pub edges_used: u16,
     /// Dark to bright or bright to dark, from left to right.
     pub polarity: Polarity,
+    /// Which line of a [`Sequence`](crate::Sequence) this is; `None` outside one.
+    pub line_id: Option<u32>,
+    /// Number of frames that the estimate rests on.
+    pub frames: u32,
+    /// What the edge tells of the lens's own blur; `None` without a known exposure or without pixels.
+    pub lens: Option<LensWitness<S>>,
 }
 
 impl<S: Scalar> Range<S> {
@@ -36,37 +46,94 @@ impl<S: Scalar> Range<S> {
     /// *Cost*: a [`fit`](crate::fit) over the line's knots and a few rays.
     #[must_use]
     pub fn of_line<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
-        let (first, last) = (line.first(), line.last());
-        let (top, bottom) = if first.row <= last.row { (first, last) } else { (last, first) };
-        let mut range = Self {
+        Self::continued(setup, motion, line, None).0
+    }
+
+    /// The range of a line of which earlier frames may have told something, and what is known of it now; nothing where
+    /// nothing could be fitted.
+    pub(crate) fn continued<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        earlier: Option<State<S>>,
+    ) -> (Self, Option<State<S>>) {
+        let mut range = Self::unknown(line);
+        let witness = blur_witness(setup, motion, line);
+        // Where tilt is in question the blur decides, but only once: in later frames the lens's error would be the same,
+        // and parallax tells far more.
+        let bears = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
+        let belief = Belief { state: earlier, blur: witness.filter(|_| bears) };
+        match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &belief) {
+            Ok(fitted) => {
+                range.fill(setup, motion, line, &fitted);
+                if let Some(witness) = &witness {
+                    range.hear(witness, &fitted.state.edge, bears);
+                }
+                (range, Some(fitted.state))
+            }
+            Err(FitError::Sideways(_)) => (Self { status: RangeStatus::Sideways, ..range }, None),
+            // A line of too few knots; the others cannot come from a line.
+            Err(_) => (range, None),
+        }
+    }
+
+    /// A line of which nothing but its place is known.
+    fn unknown<const KNOTS: usize>(line: &Line<KNOTS>) -> Self {
+        let (top, bottom) = line.top_and_bottom();
+        Self {
             status: RangeStatus::Short,
             estimate: Estimate::nothing(),
             first_row: top.row,
-            last_row: first.row.max(last.row),
+            last_row: bottom.row,
             column_at_first_row: top.column_px(),
             column_at_last_row: bottom.column_px(),
             edges: line.edges(),
-            polarity: first.polarity,
-        };
-        match fit_line::<S, M, KNOTS>(setup, motion, line.samples()) {
-            Ok((estimate, edge)) => {
-                range.column_at_first_row = column_at(setup, motion, &edge, top);
-                range.column_at_last_row = column_at(setup, motion, &edge, bottom);
-                range.status =
-                    if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() };
-                range.estimate = estimate;
-                if range.status == RangeStatus::Ok && is_fragment(&range, line) {
-                    range.status = RangeStatus::Bent;
-                }
-                if range.status == RangeStatus::Ok && blur_contradicts(setup, motion, line, &estimate, &edge) {
-                    range.status = RangeStatus::Inconsistent;
-                }
-            }
-            Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
-            // A line of too few knots; the others cannot come from a line.
-            Err(_) => {}
+            edges_used: 0,
+            polarity: top.polarity,
+            line_id: None,
+            frames: 1,
+            lens: None,
         }
-        range
+    }
+
+    fn fill<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        fitted: &Fitted<S, KNOTS>,
+    ) {
+        let (top, bottom) = line.top_and_bottom();
+        let edge = &fitted.state.edge;
+        self.column_at_first_row = column_at(setup, motion, edge, top);
+        self.column_at_last_row = column_at(setup, motion, edge, bottom);
+        self.estimate = fitted.estimate;
+        self.edges_used = line.edges_in(fitted.kept.iter().copied());
+        let short = line.edges() < setup.limits().min_edges;
+        self.status = if short { RangeStatus::Short } else { fitted.estimate.status() };
+        if self.status == RangeStatus::Ok && is_fragment(self, line) {
+            self.status = RangeStatus::Bent;
+        }
+    }
+
+    /// Hears what the blur has to say: of the lens, and whether it contradicts the motion that the slope implies. An edge
+    /// that is sharper than its slope implies leans; one that is much more blurred, before a known lens, moves more than it shows.
+    fn hear(&mut self, witness: &BlurWitness<S>, edge: &LineInSpace<S>, has_borne: bool) {
+        let (Some(path), Some(excess)) = (witness.path_px(edge), witness.excess_px2(edge)) else { return };
+        let estimate = &self.estimate;
+        let of_path = path * path * S::ratio(1, 12);
+        let relative = (estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m).abs();
+        let sigma_of_path = (of_path + of_path) * relative.min(S::ONE);
+        // An edge whose depth comes from its blur says nothing of the lens, unless it hardly moves.
+        if !has_borne || path.abs() < S::ONE {
+            self.lens = Some(LensWitness::new(witness, excess, sigma_of_path));
+        }
+        let four = hypot(witness.joint_sigma_px2(), sigma_of_path) * S::from_i32(4);
+        let expected = witness.lens_and_pixel_px2() + of_path;
+        let contradicts = excess < -four || excess > expected * S::ratio(1, 2) + four;
+        if self.status == RangeStatus::Ok && contradicts {
+            self.status = RangeStatus::Inconsistent;
+        }
     }
 
     /// Depth and its bounds at plus and minus `sigmas`, as [`Estimate::depth`]; no most likely value unless the status is
@@ -96,57 +163,15 @@ fn is_fragment<S: Scalar, const KNOTS: usize>(range: &Range<S>, line: &Line<KNOT
     of_pixels && range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(3, 2)
 }
 
-/// Whether the edges' width contradicts the motion that their slope implies.
-///
-/// Of the edge's variance, lens² + 1/12 + B²/12, the motion's path during the exposure contributes B. An edge that is
-/// sharper than its slope implies leans; one that is much more blurred, before a known lens, moves more than it shows.
-///
-/// *Source*: blur = |slope caused by motion| · exposure / line time, whatever the lean.
-fn blur_contradicts<S: Scalar, M: Motion<S>, const KNOTS: usize>(
+/// What the blur of a line's pixels says, where the exposure is known.
+fn blur_witness<S: Scalar, M: Motion<S>, const KNOTS: usize>(
     setup: &Setup<S>,
     motion: &M,
     line: &Line<KNOTS>,
-    estimate: &Estimate<S>,
-    edge: &LineInSpace<S>,
-) -> bool {
-    let (Some(blur), Some(width)) = (setup.motion_blur(), line.mean_width_px::<S>()) else {
-        return false;
-    };
-    let Some(path) = path_px(setup, motion, line, edge, blur.exposure_s) else {
-        return false;
-    };
-    let twelfth = S::ratio(1, 12);
-    let lens = blur.lens_blur_px;
-    let expected = lens * lens + twelfth + path * path * twelfth;
-    let measured = width * width;
-    // One sigma of each part: the lens, the path, the width (√2 of the column's, per edge), and the shape of the profile.
-    let relative = estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m;
-    let of_lens = S::ratio(2, 1) * lens * blur.sigma_lens_blur_px;
-    let of_path = path * path * twelfth * S::ratio(2, 1) * relative;
-    let edges = S::from_i32(i32::from(line.edges()));
-    let sigma_px = S::from_ratio(i64::from(line.last().sigma_q16), 1 << 16);
-    let of_width = width * sigma_px * S::ratio(283, 100) / edges.sqrt();
-    let of_shape = expected * S::ratio(7, 100);
-    let sigma = hypot(hypot(of_lens, of_path), hypot(of_width, of_shape));
-    let four = sigma * S::from_i32(4);
-    measured < expected - four || measured > expected * S::ratio(3, 2) + four
-}
-
-/// Path of the edge along its row during the exposure, in pixels, in the middle of the line.
-fn path_px<S: Scalar, M: Motion<S>, const KNOTS: usize>(
-    setup: &Setup<S>,
-    motion: &M,
-    line: &Line<KNOTS>,
-    edge: &LineInSpace<S>,
-    exposure_s: S,
-) -> Option<S> {
+) -> Option<BlurWitness<S>> {
+    let (blur, width) = (setup.motion_blur()?, (line.mean_width_px()?, line.mean_width_sigma_px()));
     let middle = line.samples::<S>().nth(line.samples::<S>().count() / 2)?;
-    let half = exposure_s * S::ratio(1, 2);
-    let miss = |time_s: S| {
-        let sample = Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px);
-        edge.miss_px(&Sight::new(setup.camera(), motion, &sample)?)
-    };
-    Some((miss(middle.time_s + half)? - miss(middle.time_s - half)?).abs())
+    BlurWitness::new(setup.camera(), motion, blur, &middle, width)
 }
 
 /// Column at which the fitted edge crosses the row of `near`, by Newton's iteration along that row.

@@ -1,5 +1,6 @@
 //! [`Setup`]: everything that stays the same from frame to frame, checked once.
 
+use crate::scalar::hypot;
 use crate::{Camera, ParameterError, Readout, Scalar};
 
 /// How well the things that a frame cannot tell are known: one standard deviation each.
@@ -32,6 +33,12 @@ impl<S: Scalar> Uncertainty<S> {
         sigma_readout: S::ZERO,
         sigma_focal: S::ZERO,
     };
+
+    /// Of the tilt of an edge at a bearing: its own lean, the camera's roll, and its pitch, which enters with the bearing.
+    pub(crate) fn sigma_tilt_at(&self, bearing: S) -> S {
+        let gravity = hypot(self.sigma_gravity, self.sigma_gravity * bearing);
+        hypot(self.sigma_tilt, gravity)
+    }
 
     fn check(&self) -> Result<(), ParameterError> {
         let parameters = [

@@ -69,7 +69,8 @@ impl<S: Scalar> Sight<S> {
 }
 
 /// The unknowns `(a, ρ, β)` and the directions that they refer to.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct LineInSpace<S> {
     pub(crate) bearing: S,
     pub(crate) inverse_depth: S,
@@ -104,5 +105,12 @@ impl<S: Scalar> LineInSpace<S> {
         let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
         let pixels = miss / per_px;
         (per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
+    }
+
+    /// Change of [`miss_px`](Self::miss_px) with the inverse depth.
+    pub(crate) fn miss_per_inverse_depth(&self, sight: &Sight<S>) -> Option<S> {
+        let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
+        let change = -dot(cross(sight.direction, self.direction()), sight.position) / per_px;
+        (per_px != S::ZERO && change.is_finite()).then_some(change)
     }
 }

@@ -1,15 +1,17 @@
-//! One round of weighted least squares, by orthogonalisation, and what it says about covariance and straightness.
+//! One round of weighted least squares, by orthogonalisation, over what the samples show and what is believed beforehand.
 
-use crate::common::Common;
-use crate::estimate::Estimate;
-use crate::scalar::hypot;
-use crate::sight::{LineInSpace, Sight};
-use crate::vector::{cross, dot};
-use crate::{Scalar, Uncertainty};
+use heapless::Vec;
 
-/// One linearised observation `y = δa + q δρ + w δβ` with its weight.
+use crate::Scalar;
+use crate::covariance::Covariance;
+use crate::effects::CAUSES;
+use crate::sight::LineInSpace;
+
+/// One linearised observation `y = one δa + q δρ + w δβ` with its weight.
 #[derive(Clone, Copy)]
 pub(crate) struct Row<S> {
+    /// 1 for a sample.
+    pub(crate) one: S,
     pub(crate) q: S,
     pub(crate) w: S,
     pub(crate) y: S,
@@ -23,12 +25,61 @@ impl<S: Scalar> Row<S> {
     }
 }
 
+/// What was believed before, as one more observation, and how an error of each cause has moved it.
+#[derive(Clone, Copy)]
+pub(crate) struct BelievedRow<S> {
+    pub(crate) row: Row<S>,
+    pub(crate) errors: [S; CAUSES],
+}
+
+/// All observations of a round.
+pub(crate) struct Rows<S, const N: usize> {
+    pub(crate) observed: Vec<Row<S>, N>,
+    pub(crate) believed: Vec<BelievedRow<S>, MOST_BELIEFS>,
+}
+
+/// Bearing, inverse depth and tilt from earlier frames, and the blur.
+pub(crate) const MOST_BELIEFS: usize = 4;
+
+impl<S: Scalar, const N: usize> Rows<S, N> {
+    pub(crate) fn new() -> Self {
+        Self { observed: Vec::new(), believed: Vec::new() }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Row<S>> {
+        self.observed.iter().chain(self.believed.iter().map(|believed| &believed.row))
+    }
+
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Row<S>> {
+        self.observed.iter_mut().chain(self.believed.iter_mut().map(|believed| &mut believed.row))
+    }
+
+    fn sum(&self, value: impl Fn(&Row<S>) -> S) -> S {
+        self.iter().fold(S::ZERO, |sum, row| sum + row.weight() * value(row))
+    }
+
+    /// Turns each row's sigma into its weight relative to the best one, whose sigma is returned.
+    fn normalise_weights(&mut self) -> S {
+        let best = self.iter().map(|row| row.root_weight).filter(|sigma| *sigma > S::ZERO).reduce(S::min);
+        let unit = best.unwrap_or(S::EPSILON);
+        for row in self.iter_mut().filter(|row| row.root_weight > S::ZERO) {
+            row.root_weight = if row.root_weight > unit { unit / row.root_weight } else { S::ONE };
+        }
+        unit
+    }
+
+    /// Whether anything is believed of the tilt: without that it is taken to be zero, not free.
+    fn has_tilt(&self) -> bool {
+        self.believed.iter().any(|believed| believed.row.w != S::ZERO)
+    }
+}
+
 /// What a round finds, in units that keep every number near one: y in sigmas of the best row, q in its own spread.
 #[derive(Clone, Copy)]
 pub(crate) struct Solution<S> {
     /// One sigma of the best row.
     unit: S,
-    /// Spread of q; zero where the motion says nothing.
+    /// Spread of q; zero where neither the motion nor anything believed says something.
     spread: S,
     mean_q: S,
     mean_w: S,
@@ -36,69 +87,44 @@ pub(crate) struct Solution<S> {
     qq: S,
     /// ⟨q, w⟩/⟨q, q⟩
     c: S,
-    /// ⟨w⊥, w⊥⟩ plus the prior; zero where tilt is not estimated.
+    /// ⟨w⊥, w⊥⟩; zero where tilt is not estimated.
     ww: S,
-    /// The prior's part of it.
-    prior: S,
     /// In y: mean, along q and along w⊥.
     mean_y: S,
     rho: S,
     beta: S,
 }
 
-/// Weighted least squares by orthogonalisation: first q, then what w has beyond q.
-pub(crate) fn solve<S: Scalar>(
-    rows: &mut [Row<S>],
-    edge: &LineInSpace<S>,
-    uncertainty: &Uncertainty<S>,
-) -> Solution<S> {
-    let unit = normalise_weights(rows);
-    let weight = sum(rows, |_| S::ONE);
-    let mean_q = sum(rows, |row| row.q) / weight;
-    let mean_w = sum(rows, |row| row.w) / weight;
-    let mean_y = sum(rows, |row| row.y) / weight;
-    let kept = rows.iter().filter(|row| row.root_weight > S::ZERO);
-    let spread = kept.fold(S::ZERO, |most, row| most.max((row.q - mean_q).abs()));
+fn over<S: Scalar>(value: S) -> S {
+    if value > S::ZERO { S::ONE / value } else { S::ZERO }
+}
+
+/// Weighted least squares by orthogonalisation: first the constant, then q, then what w has beyond q.
+pub(crate) fn solve<S: Scalar, const N: usize>(rows: &mut Rows<S, N>) -> Solution<S> {
+    let unit = rows.normalise_weights();
+    let weight = rows.sum(|row| row.one * row.one);
+    let per_weight = over(weight);
+    let mean_q = rows.sum(|row| row.one * row.q) * per_weight;
+    let mean_w = rows.sum(|row| row.one * row.w) * per_weight;
+    let mean_y = rows.sum(|row| row.one * row.y) * per_weight;
+    let size = |row: &Row<S>| ((row.q - row.one * mean_q) * row.root_weight).abs();
+    let spread = rows.iter().map(size).fold(S::ZERO, S::max);
+    let per_spread = over(spread);
     for row in rows.iter_mut() {
-        row.q = if spread > S::ZERO { (row.q - mean_q) / spread } else { S::ZERO };
-        row.w = row.w - mean_w;
-        row.y = row.y - mean_y;
+        row.q = (row.q - row.one * mean_q) * per_spread;
+        row.w = row.w - row.one * mean_w;
+        row.y = row.y - row.one * mean_y;
     }
-    let qq = sum(rows, |row| row.q * row.q);
-    let over_qq = if qq > S::ZERO { S::ONE / qq } else { S::ZERO };
-    let c = sum(rows, |row| row.q * row.w) * over_qq;
-    let rho = sum(rows, |row| row.q * row.y) * over_qq;
-    let none = S::ZERO;
-    let mut solution =
-        Solution { unit, spread, mean_q, mean_w, weight, qq, c, ww: none, prior: none, mean_y, rho, beta: none };
-    let sigma = prior_of_tilt(edge, uncertainty);
-    if sigma > S::ZERO {
-        solution.prior = unit / sigma * (unit / sigma);
-        solution.ww = sum(rows, |row| solution.across(row) * solution.across(row)) + solution.prior;
-        let pull = sum(rows, |row| solution.across(row) * (row.y - rho * row.q)) - edge.tilt * solution.prior;
-        solution.beta = if solution.ww > S::ZERO { pull / solution.ww } else { S::ZERO };
+    let qq = rows.sum(|row| row.q * row.q);
+    let c = rows.sum(|row| row.q * row.w) * over(qq);
+    let rho = rows.sum(|row| row.q * row.y) * over(qq);
+    let (ww, beta) = (S::ZERO, S::ZERO);
+    let mut solution = Solution { unit, spread, mean_q, mean_w, weight, qq, c, ww, mean_y, rho, beta };
+    if rows.has_tilt() {
+        solution.ww = rows.sum(|row| solution.across(row) * solution.across(row));
+        solution.beta = rows.sum(|row| solution.across(row) * (row.y - rho * row.q)) * over(solution.ww);
     }
     solution
-}
-
-/// Turns each row's sigma into its weight relative to the best one, whose sigma is returned.
-fn normalise_weights<S: Scalar>(rows: &mut [Row<S>]) -> S {
-    let best = rows.iter().map(|row| row.root_weight).filter(|sigma| *sigma > S::ZERO).reduce(S::min);
-    let unit = best.unwrap_or(S::EPSILON);
-    for row in rows.iter_mut().filter(|row| row.root_weight > S::ZERO) {
-        row.root_weight = if row.root_weight > unit { unit / row.root_weight } else { S::ONE };
-    }
-    unit
-}
-
-fn sum<S: Scalar>(rows: &[Row<S>], value: impl Fn(&Row<S>) -> S) -> S {
-    rows.iter().fold(S::ZERO, |sum, row| sum + row.weight() * value(row))
-}
-
-/// Each edge's own lean, the camera's roll, and its pitch, which enters with the bearing.
-fn prior_of_tilt<S: Scalar>(edge: &LineInSpace<S>, uncertainty: &Uncertainty<S>) -> S {
-    let (lean, gravity) = (uncertainty.sigma_tilt, uncertainty.sigma_gravity);
-    (lean * lean + gravity * gravity * (S::ONE + edge.bearing * edge.bearing)).sqrt()
 }
 
 impl<S: Scalar> Solution<S> {
@@ -107,150 +133,52 @@ impl<S: Scalar> Solution<S> {
         row.w - self.c * row.q
     }
 
-    fn per_spread(&self) -> S {
-        if self.spread > S::ZERO { S::ONE / self.spread } else { S::ZERO }
-    }
-
     pub(crate) fn apply(&self, edge: &LineInSpace<S>) -> LineInSpace<S> {
-        let delta = (self.rho - self.c * self.beta) * self.per_spread();
+        let [bearing, inverse_depth, tilt] = self.unknowns(self.mean_y, self.rho, self.beta);
         LineInSpace {
-            bearing: edge.bearing + self.mean_y - delta * self.mean_q - self.beta * self.mean_w,
-            inverse_depth: edge.inverse_depth + delta,
-            tilt: edge.tilt + self.beta,
+            bearing: edge.bearing + bearing,
+            inverse_depth: edge.inverse_depth + inverse_depth,
+            tilt: edge.tilt + tilt,
             ..*edge
         }
     }
 
-    fn residual(&self, row: &Row<S>) -> S {
-        row.y - self.rho * row.q - self.beta * self.across(row)
+    /// (δa, δρ, δβ) from what y is along the orthogonal directions.
+    fn unknowns(&self, mean: S, along: S, across: S) -> [S; 3] {
+        let rho = (along - self.c * across) * over(self.spread);
+        [mean - rho * self.mean_q - across * self.mean_w, rho, across]
     }
 
     /// Residual of a row in units of its own noise.
     pub(crate) fn deviation(&self, row: &Row<S>) -> S {
-        self.residual(row) / self.unit * row.root_weight
+        (row.y - self.rho * row.q - self.beta * self.across(row)) / self.unit * row.root_weight
     }
 
-    /// How a small common error of `y` moves bearing and inverse depth.
-    pub(crate) fn response(&self, rows: &[Row<S>], errors: impl Iterator<Item = S>) -> [S; 2] {
+    /// How small errors of y, one for each row, move the unknowns.
+    pub(crate) fn response<const N: usize>(&self, rows: &Rows<S, N>, errors: impl Iterator<Item = S>) -> [S; 3] {
         let (mut mean, mut along, mut across) = (S::ZERO, S::ZERO, S::ZERO);
         for (row, error) in rows.iter().zip(errors) {
             let error = row.weight() * error;
-            mean = mean + error;
+            mean = mean + error * row.one;
             along = along + error * row.q;
             across = across + error * self.across(row);
         }
-        if !(self.qq > S::ZERO && self.weight > S::ZERO) {
-            return [S::ZERO; 2];
-        }
-        let beta = if self.ww > S::ZERO { across / self.ww } else { S::ZERO };
-        let rho = (along / self.qq - self.c * beta) * self.per_spread();
-        [mean / self.weight - rho * self.mean_q - beta * self.mean_w, rho]
+        self.unknowns(mean * over(self.weight), along * over(self.qq), across * over(self.ww))
     }
 
-    pub(crate) fn estimate(
-        &self,
-        edge: &LineInSpace<S>,
-        rows: &[Row<S>],
-        sights: &[Sight<S>],
-        common: &Common<S>,
-    ) -> Estimate<S> {
-        let across = cross([edge.bearing, S::ZERO, S::ONE], edge.gravity);
-        let mut estimate = Estimate {
-            bearing: edge.bearing,
-            inverse_depth_per_m: edge.inverse_depth,
-            tilt: edge.tilt,
-            distance_per_depth: dot(across, across).sqrt(),
-            ..Estimate::nothing()
-        };
-        let straightness = self.straightness(rows, sights);
-        estimate.misfit = straightness.misfit;
-        estimate.bent = straightness.bent;
-        // The noise was understated where the residuals are larger than chance allows; tilt and common effects were not.
-        let factor = if straightness.significant { straightness.misfit } else { S::ONE };
-        self.with_noise(factor).fill_covariance(&mut estimate, common);
-        estimate
-    }
-
-    /// The same with the noise of all rows larger by a factor.
-    fn with_noise(&self, factor: S) -> Self {
-        let prior = self.prior * factor * factor;
-        Self { unit: self.unit * factor, ww: self.ww - self.prior + prior, prior, ..*self }
-    }
-
-    /// Covariance of pixel noise and tilt's prior, then that of the common effects.
-    fn fill_covariance(&self, estimate: &mut Estimate<S>, common: &Common<S>) {
-        let beta = if self.ww > S::ZERO { S::ONE / self.ww } else { S::ZERO };
-        estimate.sigma_tilt = self.unit * beta.sqrt();
+    /// Covariance of the noise of all rows, the believed ones included.
+    pub(crate) fn covariance(&self) -> Covariance<S> {
         if !(self.qq > S::ZERO && self.spread > S::ZERO) {
-            estimate.inverse_depth_per_m = S::ZERO;
-            return;
+            return Covariance::UNKNOWN;
         }
+        let beta = over(self.ww);
         let rho = S::ONE / self.qq + self.c * self.c * beta;
         let rho_beta = -self.c * beta;
         // Of a = mean y − q̄ ρ − w̄ β.
         let q = self.mean_q / self.spread;
         let w = self.mean_w;
-        let bearing = S::ONE / self.weight + q * q * rho + w * w * beta + (q * w + q * w) * rho_beta;
-        let bearing_rho = -q * rho - w * rho_beta;
-        // Sigmas, not variances, leave the normalised units: fixed point has no room for their squares.
-        let noise_rho = self.unit * rho.sqrt() / self.spread;
-        let noise_bearing = self.unit * bearing.max(S::ZERO).sqrt();
-        let noise_correlation = bearing_rho / (rho * bearing).sqrt().max(S::EPSILON);
-        let within = |sigma: S| sigma.min(S::UNKNOWN).max(S::EPSILON);
-        let sigma_rho = within(hypot(noise_rho, common.inverse_depth));
-        let sigma_bearing = within(hypot(noise_bearing, common.bearing));
-        let noise_part = noise_correlation * (noise_rho / sigma_rho) * (noise_bearing / sigma_bearing);
-        let common_part = common.correlation * (common.inverse_depth / sigma_rho) * (common.bearing / sigma_bearing);
-        let correlation = noise_part + common_part;
-        estimate.correlation = if correlation.is_finite() { correlation.min(S::ONE).max(-S::ONE) } else { S::ZERO };
-        estimate.sigma_inverse_depth_per_m = sigma_rho;
-        estimate.sigma_bearing = sigma_bearing;
-        estimate.sigma_common_per_m = common.inverse_depth;
+        let bearing = over(self.weight) + q * q * rho + w * w * beta + (q * w + q * w) * rho_beta;
+        let moments = [bearing, rho, beta, -q * rho - w * rho_beta, -q * rho_beta - w * beta, rho_beta];
+        Covariance::scaled([self.unit, self.unit / self.spread, self.unit], moments)
     }
-
-    /// Residuals against the stated noise: their size, and whether they follow each other, as those of a curve do.
-    fn straightness(&self, rows: &[Row<S>], sights: &[Sight<S>]) -> Straightness<S> {
-        // Knots are means over curved arcs: what they may cost is no sign of a bend.
-        let floor = S::ratio(1, 256);
-        // Capped where fixed point would run out of room.
-        let cap = S::from_i32(1_000);
-        let (mut squares, mut steps, mut previous) = (S::ZERO, S::ZERO, None);
-        for (row, sight) in rows.iter().zip(sights).filter(|(_, sight)| sight.kept) {
-            let sigma = sight.sigma_px / hypot(sight.sigma_px, floor);
-            let off = self.deviation(row) * sigma;
-            let off = off.min(cap).max(-cap);
-            squares = squares + off * off;
-            if let Some(previous) = previous {
-                let step: S = off - previous;
-                steps = steps + step * step;
-            }
-            previous = Some(off);
-        }
-        // Bearing and inverse depth are free.
-        let kept = sights.iter().filter(|sight| sight.kept).count();
-        let Some(spare) = kept.checked_sub(2).filter(|spare| *spare > 0) else {
-            return Straightness { misfit: S::ZERO, significant: false, bent: false };
-        };
-        let spare = S::from_i32(spare as i32);
-        let variance = squares / spare;
-        let significant = variance > chance_limit(spare);
-        // Durbin and Watson: 2 for noise, near 0 for a curve.
-        let follows = steps < squares;
-        let bent = significant && (follows && variance > S::from_i32(4) || variance > S::from_i32(25));
-        Straightness { misfit: variance.sqrt(), significant, bent }
-    }
-}
-
-struct Straightness<S> {
-    misfit: S,
-    /// Larger than chance allows.
-    significant: bool,
-    bent: bool,
-}
-
-/// What the mean square of `count` unit variates exceeds once in 30000 times (Wilson and Hilferty at four sigma).
-fn chance_limit<S: Scalar>(count: S) -> S {
-    let part = S::ratio(2, 9) / count;
-    let root = S::ONE - part + S::from_i32(4) * part.sqrt();
-    root * root * root
 }
