@@ -1,8 +1,8 @@
 //! An independent projection of upright (or leaning) edges, row by row in double precision: it intersects the edge with
 //! each row's plane, where the library's estimator never leaves the image.
 
-type Vector = [f64; 3];
-type Matrix = [Vector; 3];
+pub(crate) type Vector = [f64; 3];
+pub(crate) type Matrix = [Vector; 3];
 
 /// A vertical edge before a moving camera; see `data/make_lines.py`, which does the same.
 #[derive(Clone, Debug)]
@@ -74,16 +74,16 @@ impl Scene {
     }
 }
 
-fn times(matrix: Matrix, v: Vector) -> Vector {
+pub(crate) fn times(matrix: Matrix, v: Vector) -> Vector {
     matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
-fn transposed(m: Matrix) -> Matrix {
+pub(crate) fn transposed(m: Matrix) -> Matrix {
     std::array::from_fn(|row| std::array::from_fn(|column| m[column][row]))
 }
 
 /// Rotation by an angle about a unit axis, written out component by component.
-fn rotation(vector: Vector) -> Matrix {
+pub(crate) fn rotation(vector: Vector) -> Matrix {
     let angle = vector.iter().map(|c| c * c).sum::<f64>().sqrt();
     if angle < 1e-15 {
         return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -1,11 +1,10 @@
 //! [`Belief`]: what is known of an edge before its columns are looked at.
 
-use crate::covariance::Covariance;
-use crate::effects::{Cause, Effects};
+use crate::effects::Cause;
 use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
 use crate::solve::{BelievedRow, Row, Rows};
-use crate::vector::dot;
+use crate::state::State;
 use crate::{Camera, Motion, MotionBlur, Sample, Scalar, Setup};
 
 /// Prior and blur: each becomes a row of the same least squares that the columns enter.
@@ -14,16 +13,6 @@ pub(crate) struct Belief<S> {
     /// What earlier frames told; otherwise an edge is upright but for the setup's sigma of tilt.
     pub(crate) state: Option<State<S>>,
     pub(crate) blur: Option<BlurWitness<S>>,
-}
-
-/// Bearing, inverse depth and tilt with all that is known of their errors.
-#[derive(Clone, Copy, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct State<S> {
-    pub(crate) edge: LineInSpace<S>,
-    /// Of noise and beliefs, without what moves all samples together.
-    pub(crate) covariance: Covariance<S>,
-    pub(crate) effects: Effects<S>,
 }
 
 impl<S: Scalar> Belief<S> {
@@ -58,21 +47,6 @@ fn upright<S: Scalar>(setup: &Setup<S>, edge: &LineInSpace<S>) -> BelievedRow<S>
     BelievedRow {
         row: Row { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -edge.tilt, root_weight },
         errors: core::array::from_fn(|index| if is_tilt(index) { S::ONE } else { S::ZERO }),
-    }
-}
-
-impl<S: Scalar> State<S> {
-    fn rows(&self, edge: &LineInSpace<S>) -> [BelievedRow<S>; 3] {
-        let off = [
-            self.edge.bearing - edge.bearing,
-            self.edge.inverse_depth - edge.inverse_depth,
-            self.edge.tilt - edge.tilt,
-        ];
-        self.covariance.statements().map(|(coefficients, root_weight)| {
-            let [one, q, w] = coefficients;
-            let row = Row { one, q, w, y: dot(coefficients, off), root_weight };
-            BelievedRow { row, errors: self.effects.0.map(|effect| dot(coefficients, effect)) }
-        })
     }
 }
 

@@ -32,7 +32,7 @@ impl Cause {
         [Self::Tilt, Self::Lens, Self::Speed, Self::Rate(0), Self::Rate(1), Self::Rate(2), Self::Readout, Self::Focal];
 
     /// One standard deviation, for an edge at a bearing.
-    fn sigma<S: Scalar>(self, setup: &Setup<S>, bearing: S) -> S {
+    pub(crate) fn sigma<S: Scalar>(self, setup: &Setup<S>, bearing: S) -> S {
         let uncertainty = setup.uncertainty();
         match self {
             Self::Tilt => uncertainty.sigma_tilt_at(bearing),

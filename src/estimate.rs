@@ -1,7 +1,7 @@
 //! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance come with an interval.
 
-use crate::belief::State;
 use crate::budget::Budget;
+use crate::state::State;
 use crate::straightness::Straightness;
 use crate::vector::{cross, dot};
 use crate::{Scalar, Setup};

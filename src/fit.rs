@@ -15,12 +15,13 @@
 
 use heapless::Vec;
 
-use crate::belief::{Belief, State};
+use crate::belief::Belief;
 use crate::effects::Effects;
 use crate::estimate::Estimate;
 use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
 use crate::solve::{Row, Rows, Solution, solve};
+use crate::state::State;
 use crate::straightness::Straightness;
 use crate::vector::{cross, dot};
 use crate::{Camera, Motion, Sample, Scalar, Setup, Spread};
@@ -110,24 +111,23 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     if problem.sights.len() < least {
         return Err(FitError::TooFewSamples(problem.sights.len()));
     }
-    // The linear problem is exact in the first round but for tilt, blur, weights and noise in q; those settle in a few more.
+    // The linear problem is exact in the first round but for tilt, blur, weights and noise in q.
     let start = match &belief.state {
         Some(state) => state.edge,
         None => problem.round(&LineInSpace::start(motion.gravity()), Round::First)?.edge,
     };
-    let rounds = if belief.blur.is_some() { 4 } else { 2 };
-    let mut solved = problem.rounds(&start, rounds)?;
+    let mut solved = problem.settle_in_front(&start)?;
     for _ in 0..MAX_CLEANINGS {
         if !problem.drop_strangers(&solved) {
             break;
         }
-        solved = problem.rounds(&solved.edge, 2)?;
+        solved = problem.settle(&solved.edge)?;
     }
     let straightness = problem.straightness(&solved);
     if straightness.significant {
         // The noise was understated where the residuals are larger than chance allows; what is believed was not.
         problem.sights.iter_mut().for_each(|sight| sight.sigma_px = sight.sigma_px * straightness.misfit);
-        solved = problem.rounds(&solved.edge, 1)?;
+        solved = problem.settle(&solved.edge)?;
     }
     let Solved { edge, solution, rows } = solved;
     let effects = Effects::of(&problem.sights, &edge, &rows, &solution, setup);
@@ -183,6 +183,7 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
 }
 
 const MAX_CLEANINGS: usize = 4;
+const MOST_ROUNDS: usize = 8;
 
 struct Problem<'a, S, const N: usize> {
     setup: &'a Setup<S>,
@@ -194,6 +195,14 @@ struct Solved<S, const N: usize> {
     edge: LineInSpace<S>,
     solution: Solution<S>,
     rows: Rows<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Solved<S, N> {
+    /// Sum of the squares of all deviations, beliefs included.
+    fn cost(&self) -> S {
+        let squares = self.rows.iter().map(|row| self.solution.deviation(row)).map(|off| off * off);
+        squares.fold(S::ZERO, |sum, square| sum + square)
+    }
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
@@ -212,13 +221,30 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(Solved { edge: solution.apply(edge), solution, rows })
     }
 
-    /// `count` more rounds, at least one.
-    fn rounds(&self, edge: &LineInSpace<S>, count: usize) -> Result<Solved<S, N>, FitError> {
+    /// More rounds, until one changes next to nothing: mostly two.
+    fn settle(&self, edge: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
         let mut solved = self.round(edge, Round::Later)?;
-        for _ in 1..count {
+        for _ in 1..MOST_ROUNDS {
+            if solved.solution.step() < S::ratio(1, 50) {
+                break;
+            }
             solved = self.round(&solved.edge, Round::Later)?;
         }
         Ok(solved)
+    }
+
+    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
+    /// camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    fn settle_in_front(&self, start: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
+        let solved = self.settle(start)?;
+        let edge = solved.edge;
+        if edge.tilt == S::ZERO || !(edge.inverse_depth < S::ZERO) {
+            return Ok(solved);
+        }
+        let mirrored = LineInSpace { inverse_depth: -edge.inverse_depth, ..edge };
+        let other = self.settle(&mirrored)?;
+        let is_as_good = other.cost() < solved.cost() + S::from_i32(9);
+        Ok(if other.edge.inverse_depth > S::ZERO && is_as_good { other } else { solved })
     }
 
     /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond

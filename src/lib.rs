@@ -120,6 +120,7 @@ mod sight;
 mod covariance;
 mod solve;
 mod effects;
+mod state;
 mod belief;
 mod straightness;
 mod budget;
@@ -127,6 +128,10 @@ mod estimate;
 mod fit;
 mod range;
 mod lens;
+
+// From frame to frame.
+mod landmark;
+mod sequence;
 
 // All of it, and the paper's short way.
 mod ranger;
@@ -155,6 +160,7 @@ pub use scalar::Micro;
 pub use scalar::Q32;
 pub use scalar::Scalar;
 pub use scan::{ScannedEdge, Scanner};
+pub use sequence::Sequence;
 pub use setup::{Limits, MotionBlur, Setup, Uncertainty};
 pub use tracker::{Counters, Tracker};
 

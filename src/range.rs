@@ -1,11 +1,12 @@
 //! [`Range`]: what is told of one line.
 
-use crate::belief::{Belief, BlurWitness, State};
+use crate::belief::{Belief, BlurWitness};
 use crate::estimate::{Estimate, Interval, RangeStatus};
 use crate::fit::{FitError, Fitted, fit_with};
 use crate::lens::LensWitness;
 use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
+use crate::state::State;
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
 
 /// The range of one upright edge: estimate, status, and where the edge is in the image.

@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use crate::profile::{Neighbours, Profile};
 use crate::track::RowTime;
-use crate::{Counters, Edge, EdgeError, Motion, Range, RowError, Scalar, Scanner, Setup, Tracker};
+use crate::{Counters, Edge, EdgeError, Line, Motion, Range, RowError, Scalar, Scanner, Setup, Tracker};
 
 /// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `EDGES` edges on one row.
 ///
@@ -165,6 +165,26 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     /// after each row or frame: lines that nobody takes keep their places.
     pub fn next_range<S: Scalar, M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M) -> Option<Range<S>> {
         self.tracker.next_line().map(|line| Range::of_line(setup, motion, &line))
+    }
+
+    /// The next line of those that are ready, for those who range it themselves.
+    pub fn next_line(&mut self) -> Option<Line<KNOTS>> {
+        self.tracker.next_line()
+    }
+
+    /// The next line with its place in the table.
+    pub(crate) fn next_placed_line(&mut self) -> Option<(u16, Line<KNOTS>)> {
+        let place = self.tracker.ended().next_back()?;
+        self.tracker.next_line().map(|line| (place, line))
+    }
+
+    /// The places of the lines that are ready.
+    pub(crate) fn places(&self) -> impl Iterator<Item = u16> {
+        self.tracker.ended()
+    }
+
+    pub(crate) fn line_at(&self, place: u16) -> Option<&Line<KNOTS>> {
+        self.tracker.line_at(place)
     }
 
     /// All ranges that are ready, from left to right.

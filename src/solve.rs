@@ -5,6 +5,7 @@ use heapless::Vec;
 use crate::Scalar;
 use crate::covariance::Covariance;
 use crate::effects::CAUSES;
+use crate::scalar::hypot;
 use crate::sight::LineInSpace;
 
 /// One linearised observation `y = one δa + q δρ + w δβ` with its weight.
@@ -46,7 +47,7 @@ impl<S: Scalar, const N: usize> Rows<S, N> {
         Self { observed: Vec::new(), believed: Vec::new() }
     }
 
-    fn iter(&self) -> impl Iterator<Item = &Row<S>> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Row<S>> {
         self.observed.iter().chain(self.believed.iter().map(|believed| &believed.row))
     }
 
@@ -147,6 +148,12 @@ impl<S: Scalar> Solution<S> {
     fn unknowns(&self, mean: S, along: S, across: S) -> [S; 3] {
         let rho = (along - self.c * across) * over(self.spread);
         [mean - rho * self.mean_q - across * self.mean_w, rho, across]
+    }
+
+    /// How far this round has moved the estimate, in sigmas.
+    pub(crate) fn step(&self) -> S {
+        let along = hypot(self.mean_y * self.weight.sqrt(), self.rho * self.qq.sqrt());
+        hypot(along, self.beta * self.ww.sqrt()) / self.unit
     }
 
     /// Residual of a row in units of its own noise.

@@ -164,6 +164,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.tracks.get_mut(usize::from(place))?.take().map(|track| track.line)
     }
 
+    /// Places of the lines that have ended; [`Tracker::next_line`] takes the last one.
+    pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = u16> {
+        self.ended.iter().copied()
+    }
+
+    pub(crate) fn line_at(&self, place: u16) -> Option<&Line<KNOTS>> {
+        self.tracks.get(usize::from(place))?.as_ref().map(|track| &track.line)
+    }
+
     /// What was dropped since the tracker was made.
     #[must_use]
     pub const fn counters(&self) -> &Counters {

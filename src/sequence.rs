@@ -1,0 +1,233 @@
+//! [`Sequence`]: lines continued from frame to frame.
+
+use heapless::Vec;
+
+use crate::landmark::{Claim, Landmark, Sighting};
+use crate::state::Passage;
+use crate::{Line, Motion, Pose, Range, RangeStatus, Ranger, Scalar, Setup};
+
+/// The edges of earlier frames, at most `LANDMARKS`, each continued where a frame shows it again.
+///
+/// A single frame cannot tell a leaning edge from a near one; in several, parallax grows and the lean repeats, so that
+/// a few frames of a moving camera make the tilt known and sigma falls accordingly. Each frame's knots enter the same least
+/// squares as in a single frame, with what the frames before have told as three more rows: memory does not grow with time.
+///
+/// A line belongs to a landmark where it lies as the landmark predicts; the nearest pairs come first. What a setup states of
+/// speed and rotation is carried along as a constant error that no number of frames averages out, and besides as one that
+/// drifts within about a second, so that sigma does not shrink for ever.
+///
+/// An object that moves at a constant velocity looks static at another distance as long as the camera's velocity is
+/// constant, too. Once speed or heading changes it is no longer where it should be: it is then
+/// [`Inconsistent`](RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again.
+///
+/// ```
+/// use shutter_range::{
+///     Camera, Distortion, Edge, Intrinsics, Limits, Motion, Ranger, Readout, Sequence, Setup, Twist, Uncertainty,
+/// };
+/// # let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f64), Distortion::NONE)?;
+/// # let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
+/// let half_a_degree = Uncertainty { sigma_tilt: 0.0087, ..Uncertainty::NONE };
+/// let setup = Setup::new(camera, readout, half_a_degree, Limits::DEFAULT)?;
+/// let motion = Twist::level([-1.5, 0.0, 0.0])?;
+/// let interval_s = 0.04;
+/// let mut ranger: Ranger<16, 12, 32> = Ranger::new();
+/// let mut sequence: Sequence<f64, 16> = Sequence::new();
+/// let mut sigma_m = vec![];
+/// for frame in 0..5 {
+///     for row in 0..480 {
+///         let time_ns = setup.readout().row_time_ns(row);
+///         // A post 2 m away that leans by half a degree.
+///         let moved_m = 1.5 * (interval_s * frame as f64 + time_ns as f64 * 1e-9);
+///         let column_px = 200.0 + 600.0 * moved_m / 2.0 + 0.0087 * (row as f64 - 239.5);
+///         ranger.edge(&setup, Edge::new(row, (column_px * 65536.0) as i32, time_ns))?;
+///     }
+///     ranger.end_frame(&setup);
+///     sequence.frame(&setup, &motion, &mut ranger, |range| {
+///         sigma_m.push(range.depth(2.0).estimate_m.expect("status is ok").1);
+///     });
+///     sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity());
+/// }
+/// assert!(sigma_m[0] > 0.2 && sigma_m[4] < 0.002, "{sigma_m:?}");
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sequence<S, const LANDMARKS: usize> {
+    landmarks: Vec<Landmark<S>, LANDMARKS>,
+    next_id: u32,
+    dropped_lines: u32,
+}
+
+/// Frames in a row without an edge after which it is forgotten.
+const MOST_MISSED: u16 = 30;
+/// Frames in a row that must agree with a static edge before one that has moved passes for static again.
+const PROBATION: u16 = 30;
+
+impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
+    /// A sequence that has seen nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { landmarks: Vec::new(), next_id: 0, dropped_lines: 0 }
+    }
+
+    /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges over in no
+    /// particular order. To be called once a frame, after [`Ranger::end_frame`]; nobody else must take lines of that ranger.
+    ///
+    /// *Cost*: for each line a fit as in [`Range::of_line`], and three predictions for each landmark of its polarity.
+    pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        ranger: &mut Ranger<LINES, KNOTS, EDGES>,
+        mut found: impl FnMut(Range<S>),
+    ) {
+        self.assign(setup, motion, ranger);
+        while let Some((place, line)) = ranger.next_placed_line() {
+            found(self.continue_line(setup, motion, place, &line));
+        }
+        for landmark in &mut self.landmarks {
+            landmark.missed = if landmark.claim.is_some() { 0 } else { landmark.missed.saturating_add(1) };
+        }
+        self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
+    }
+
+    /// Goes on to the next frame's start: `pose` of the camera there in the axes of this frame's start, the time in between, and
+    /// gravity in the camera's axes there. What is then beside or behind the camera is forgotten.
+    ///
+    /// *Cost*: some 500 operations for each landmark.
+    pub fn advance(&mut self, setup: &Setup<S>, pose: &Pose<S>, elapsed_s: S, gravity: [S; 3]) {
+        let passage = Passage { pose: *pose, elapsed_s, gravity };
+        self.landmarks.retain_mut(|landmark| match landmark.carried(setup, &passage) {
+            Some(carried) => {
+                *landmark = carried;
+                true
+            }
+            None => false,
+        });
+    }
+
+    /// Number of edges that are remembered.
+    #[must_use]
+    pub fn landmarks(&self) -> usize {
+        self.landmarks.len()
+    }
+
+    /// Lines that could not be remembered for want of room; a line that is refused in each frame counts each time.
+    #[must_use]
+    pub const fn dropped_lines(&self) -> u32 {
+        self.dropped_lines
+    }
+
+    /// Gives each line to at most one landmark and each landmark at most one line: a landmark keeps the nearest of
+    /// those that ask for it, and a line that is turned down asks for the next.
+    fn assign<M: Motion<S>, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        ranger: &Ranger<LINES, KNOTS, EDGES>,
+    ) {
+        self.landmarks.iter_mut().for_each(|landmark| landmark.claim = None);
+        let mut free: Vec<u16, LINES> = ranger.places().collect();
+        while let Some(place) = free.pop() {
+            let sighting = ranger.line_at(place).and_then(|line| Sighting::new(setup, motion, line));
+            if let Some(sighting) = sighting {
+                if let Some(turned_down) = self.claim(setup, place, &sighting) {
+                    // Its place in the list is that of the line that was just taken from it.
+                    let _ = free.push(turned_down);
+                }
+            }
+        }
+    }
+
+    /// Asks the landmark that a line lies nearest to, of those that would have it, and returns the line that is turned down
+    /// for it.
+    fn claim(&mut self, setup: &Setup<S>, place: u16, sighting: &Sighting<S>) -> Option<u16> {
+        let mut best: Option<(&mut Landmark<S>, Claim<S>)> = None;
+        for landmark in &mut self.landmarks {
+            let Some(claim) = landmark.claim_of(setup, place, sighting) else { continue };
+            let nearer = |other: &Claim<S>| claim.distance < other.distance;
+            if landmark.claim.as_ref().is_none_or(nearer) && best.as_ref().is_none_or(|(_, best)| nearer(best)) {
+                best = Some((landmark, claim));
+            }
+        }
+        let (landmark, claim) = best?;
+        landmark.claim.replace(claim).map(|before| before.place)
+    }
+
+    fn continue_line<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        place: u16,
+        line: &Line<KNOTS>,
+    ) -> Range<S> {
+        let claim_of = |landmark: &Landmark<S>| landmark.claim.filter(|claim| claim.place == place);
+        let mut claims =
+            self.landmarks.iter_mut().filter_map(|landmark| claim_of(landmark).map(|claim| (landmark, claim)));
+        let Some((landmark, Claim { has_moved, .. })) = claims.next() else {
+            drop(claims);
+            return self.begin(setup, motion, line);
+        };
+        let earlier = (!has_moved).then_some(landmark.state);
+        let (mut range, state) = Range::continued(setup, motion, line, earlier);
+        range.line_id = Some(landmark.id);
+        match state.filter(|_| is_of_use(range.status)) {
+            Some(state) => {
+                landmark.state = state;
+                landmark.frames = if has_moved { 1 } else { landmark.frames.saturating_add(1) };
+                landmark.on_probation = if has_moved { PROBATION } else { landmark.on_probation.saturating_sub(1) };
+                range.frames = landmark.frames;
+            }
+            // Hidden, as far as the estimate is concerned.
+            None => landmark.claim = None,
+        }
+        if landmark.on_probation > 0 && range.status == RangeStatus::Ok {
+            range.status = RangeStatus::Inconsistent;
+        }
+        range
+    }
+
+    /// A line that no landmark predicts becomes one, if there is room.
+    fn begin<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+    ) -> Range<S> {
+        let (range, state) = Range::continued(setup, motion, line, None);
+        let Some(state) = state.filter(|_| is_of_use(range.status)) else { return range };
+        if self.landmarks.is_full() {
+            self.forget_one();
+        }
+        let id = self.next_id;
+        // Whatever the place, it is not a line that is still to be taken.
+        let claim = Some(Claim { place: u16::MAX, distance: S::ZERO, has_moved: false });
+        let (polarity, frames, missed, on_probation) = (line.first().polarity, 1, 0, 0);
+        let landmark = Landmark { id, polarity, frames, missed, on_probation, claim, state };
+        if self.landmarks.push(landmark).is_err() {
+            self.dropped_lines = self.dropped_lines.saturating_add(1);
+            return range;
+        }
+        self.next_id = self.next_id.wrapping_add(1);
+        Range { line_id: Some(id), ..range }
+    }
+
+    /// Makes room by forgetting the edge that has not been seen for longest; one that this frame shows is never lost.
+    fn forget_one(&mut self) {
+        let unseen = self.landmarks.iter().enumerate().filter(|(_, landmark)| landmark.claim.is_none());
+        if let Some((index, _)) = unseen.max_by_key(|(_, landmark)| landmark.missed) {
+            self.landmarks.swap_remove(index);
+        }
+    }
+}
+
+/// Whether a line with this status tells where the edge is.
+fn is_of_use(status: RangeStatus) -> bool {
+    matches!(status, RangeStatus::Ok | RangeStatus::Far | RangeStatus::Slow)
+}
+
+impl<S: Scalar, const LANDMARKS: usize> Default for Sequence<S, LANDMARKS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
