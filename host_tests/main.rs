@@ -18,4 +18,5 @@ mod statuses;
 mod symmetries;
 mod table2;
 mod tracking;
+mod trajectory;
 mod uncertainty;
