@@ -7,7 +7,7 @@
 
 use shutter_range::{
     Camera, Distortion, Edge, Intrinsics, Limits, MotionBlur, ParameterError, RangeStatus, Ranger, Readout,
-    ReadoutDirection, Setup, Twist, Uncertainty,
+    ReadoutDirection, Setup, Stamps, StreamClock, Streams, Trajectory, Twist, Uncertainty,
 };
 
 const ROWS: u16 = 120;
@@ -39,6 +39,20 @@ fn paint(row: u16, pixels: &mut [u8]) {
     }
 }
 
+/// Samples of odometry and an inertial sensor every 5 ms, from before the frame to its end.
+fn drive() -> Trajectory<f32, 4> {
+    let clock = StreamClock { offset_ns: -1_000_000, max_gap_ns: 10_000_000 };
+    let velocity = Stamps::MeanSincePrevious(clock);
+    let mut trajectory =
+        Trajectory::new(Streams { velocity, rate: Some(Stamps::Instant(clock)), gravity: Some(clock) });
+    for k in 0..6 {
+        let _ = trajectory.push_velocity(k * 5_000_000, [-2.0, 0.0, 0.1]);
+        let _ = trajectory.push_rate(k * 5_000_000, [0.0, 0.02, 0.0]);
+        let _ = trajectory.push_gravity(k * 5_000_000, [0.0, 9.81, 0.0]);
+    }
+    trajectory
+}
+
 fn run() -> Result<bool, ParameterError> {
     let setup = setup()?;
     let motion = Twist::new([-2.0_f32, 0.0, 0.1], [0.0, 0.02, 0.0], [0.0, 1.0, 0.0])?;
@@ -58,6 +72,8 @@ fn run() -> Result<bool, ParameterError> {
         let _ = ranger.edge(&setup, edge);
     }
     ranger.end_frame(&setup);
+    let trajectory = drive();
+    let Ok(motion) = trajectory.frame(10_000_000, 0..=setup.readout().row_time_ns(ROWS)) else { return Ok(false) };
     while let Some(range) = ranger.next_range(&setup, &motion) {
         from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();
     }

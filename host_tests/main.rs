@@ -20,4 +20,5 @@ mod statuses;
 mod symmetries;
 mod table2;
 mod tracking;
+mod trajectory;
 mod uncertainty;

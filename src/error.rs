@@ -3,6 +3,8 @@
 use core::error::Error;
 use core::fmt::{self, Display, Formatter};
 
+use crate::TrajectoryStream;
+
 /// A parameter that cannot be right: its name, its value and what would be right.
 ///
 /// ```
@@ -150,3 +152,53 @@ impl Display for EdgeError {
 }
 
 impl Error for EdgeError {}
+
+/// Why a sample was not taken by a [`Trajectory`](crate::Trajectory). It is left out and nothing else changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TrajectoryError {
+    /// A component is not finite or too large, or a gravity has no direction.
+    Value(ParameterError),
+    /// The stamp is not later than the one before.
+    StampOrder {
+        /// Where the sample belongs.
+        stream: TrajectoryStream,
+        /// The stamp that came.
+        stamp_ns: i64,
+        /// The stamp before it.
+        previous_ns: i64,
+    },
+    /// The stamp is more than 146 years from zero, in its own clock or the camera's.
+    StampRange {
+        /// Where the sample belongs.
+        stream: TrajectoryStream,
+        /// The stamp that came.
+        stamp_ns: i64,
+    },
+    /// The trajectory was made without this stream.
+    Undeclared(TrajectoryStream),
+}
+
+impl Display for TrajectoryError {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Value(error) => error.fmt(formatter),
+            Self::StampOrder { stream, stamp_ns, previous_ns } => {
+                write!(formatter, "{stream} at {stamp_ns} ns came after {previous_ns} ns: stamps must increase")
+            }
+            Self::StampRange { stream, stamp_ns } => {
+                write!(formatter, "{stream} at {stamp_ns} ns: must be within 146 years of zero")
+            }
+            Self::Undeclared(stream) => write!(formatter, "the trajectory was made without {stream}"),
+        }
+    }
+}
+
+impl Error for TrajectoryError {}
+
+impl From<ParameterError> for TrajectoryError {
+    fn from(error: ParameterError) -> Self {
+        Self::Value(error)
+    }
+}

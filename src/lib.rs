@@ -43,6 +43,8 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
+//! The motion of a frame is a constant [`Twist`], or what a [`Trajectory`] makes of stamped odometry and gyroscope samples.
+//!
 //! # Conventions
 //!
 //! | thing | convention |
@@ -53,6 +55,7 @@
 //! | line time | from the start of one row to the start of the next, per row of the image: not the exposure |
 //! | motion | position in metres and attitude of the camera, in the axes of the frame-start camera |
 //! | gravity | unit vector "down" in those axes |
+//! | stamp | of a sample of a [`Trajectory`], in its own clock; camera time is stamp + offset |
 //! | depth | Z of the point where the edge's line crosses the camera's plane y = 0 (the paper's "vertical distance") |
 //! | distance | shortest distance to that line |
 //! | sigma | one standard deviation |
@@ -104,6 +107,8 @@ mod camera;
 mod distortion;
 mod readout;
 mod motion;
+mod stream;
+mod trajectory;
 mod setup;
 
 // From edges to lines.
@@ -145,7 +150,7 @@ pub use budget::{Budget, ErrorSource};
 pub use camera::{Camera, Intrinsics, Ray};
 pub use distortion::Distortion;
 pub use edge::{Edge, Polarity};
-pub use error::{EdgeError, ParameterError, RowError};
+pub use error::{EdgeError, ParameterError, RowError, TrajectoryError};
 pub use estimate::{Estimate, Interval, RangeStatus};
 pub use fit::{FitError, fit};
 pub use lens::{LensBlur, LensWitness};
@@ -162,7 +167,9 @@ pub use scalar::Scalar;
 pub use scan::{ScannedEdge, Scanner};
 pub use sequence::Sequence;
 pub use setup::{Limits, MotionBlur, Setup, Uncertainty};
+pub use stream::{Stamps, StreamClock, TrajectoryGap, TrajectoryStream};
 pub use tracker::{Counters, Tracker};
+pub use trajectory::{FrameMotion, Streams, Trajectory};
 
 #[cfg(all(doctest, feature = "libm"))]
 #[doc = include_str!("../README.md")]

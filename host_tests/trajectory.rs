@@ -1,0 +1,510 @@
+//! `Trajectory`: stamps, clocks and gaps, and poses against an integration of small steps that shares no code with it.
+
+use proptest::prelude::*;
+use shutter_range::{
+    Edge, FrameMotion, Micro, Motion, Pose, Q32, Range, Scalar, Stamps, StreamClock, Streams, Trajectory,
+    TrajectoryError, TrajectoryGap, TrajectoryStream, Twist, Uncertainty,
+};
+
+use crate::projection::Scene;
+use crate::scenes::{line_of, q16, seeded};
+
+type Vector = [f64; 3];
+
+const MS: i64 = 1_000_000;
+const EXACT: StreamClock = StreamClock { offset_ns: 0, max_gap_ns: 100 * MS as u64 };
+const INSTANTS: Stamps = Stamps::Instant(EXACT);
+const MEANS: Stamps = Stamps::MeanSincePrevious(EXACT);
+
+fn streams(velocity: Stamps) -> Streams {
+    Streams { velocity, rate: Some(INSTANTS), gravity: None }
+}
+
+fn seconds(time_ns: i64) -> f64 {
+    time_ns as f64 * 1e-9
+}
+
+fn numbers<S: Scalar>(vector: Vector) -> [S; 3] {
+    vector.map(S::from_f64)
+}
+
+/// A motion in the camera's own axes as functions of time.
+#[derive(Clone, Copy)]
+struct Ride {
+    velocity_m_s: fn(f64) -> Vector,
+    rate_rad_s: fn(f64) -> Vector,
+}
+
+/// Braking by 1 m/s² while driving forward and left, turning ever faster, nodding and rolling.
+const WILD: Ride = Ride {
+    velocity_m_s: |t| [-1.5 - 0.4 * t, 0.1 * (20.0 * t).sin(), 2.0 - t],
+    rate_rad_s: |t| [0.3 * (30.0 * t).cos(), 0.5 + 3.0 * t, 0.2 * (30.0 * t).sin()],
+};
+
+impl Ride {
+    /// Position and attitude at `time_s`, having been at rest in the origin at `start_s`: Runge and Kutta.
+    fn pose(&self, start_s: f64, time_s: f64) -> (Vector, [Vector; 3]) {
+        let steps = ((time_s - start_s).abs() / 1e-4).ceil().max(1.0);
+        let h = (time_s - start_s) / steps;
+        let mut state = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for step in 0..steps as u32 {
+            let t = start_s + f64::from(step) * h;
+            let after = |slope: &[Vector; 4], h: f64| combined(&state, slope, h);
+            let k1 = self.slope(t, &state);
+            let k2 = self.slope(t + h / 2.0, &after(&k1, h / 2.0));
+            let k3 = self.slope(t + h / 2.0, &after(&k2, h / 2.0));
+            let k4 = self.slope(t + h, &after(&k3, h));
+            let outer = combined(&k1, &k4, 1.0);
+            let inner = combined(&k2, &k3, 1.0);
+            state = combined(&state, &combined(&outer, &inner, 2.0), h / 6.0);
+        }
+        let [position, rotation @ ..] = state;
+        (position, rotation)
+    }
+
+    /// p' = R v, and for each row r of R: r' = r × ω.
+    fn slope(&self, t: f64, [_, rows @ ..]: &[Vector; 4]) -> [Vector; 4] {
+        let (v, [wx, wy, wz]) = ((self.velocity_m_s)(t), (self.rate_rad_s)(t));
+        let [a, b, c] = rows.map(|[x, y, z]| [y * wz - z * wy, z * wx - x * wz, x * wy - y * wx]);
+        [rows.map(|row| inner(row, v)), a, b, c]
+    }
+
+    /// Samples from `from_ns` on, at multiples of the period.
+    fn feed<S: Scalar, const N: usize>(&self, trajectory: &mut Trajectory<S, N>, from_ns: i64, period_ns: i64) {
+        for k in 0..N as i64 {
+            let stamp_ns = from_ns + k * period_ns;
+            let t = seconds(stamp_ns);
+            trajectory.push_velocity(stamp_ns, numbers((self.velocity_m_s)(t))).expect("sound");
+            trajectory.push_rate(stamp_ns, numbers((self.rate_rad_s)(t))).expect("sound");
+        }
+    }
+}
+
+fn combined(a: &[Vector; 4], b: &[Vector; 4], factor: f64) -> [Vector; 4] {
+    std::array::from_fn(|row| std::array::from_fn(|column| a[row][column] + factor * b[row][column]))
+}
+
+fn inner(a: Vector, b: Vector) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The largest difference in any component of position or rotation.
+fn difference<S: Scalar>(pose: &Pose<S>, position: Vector, rotation: [Vector; 3]) -> f64 {
+    let got = pose.position_m.into_iter().chain(pose.rotation.into_iter().flatten());
+    let expected = position.into_iter().chain(rotation.into_iter().flatten());
+    got.zip(expected).map(|(got, expected)| (got.to_f64() - expected).abs()).fold(0.0, f64::max)
+}
+
+fn same_as_the_twist<S: Scalar>(tolerance: f64) {
+    // Along the axis of its rotation, a velocity is the same in the camera's axes and in those of frame start.
+    for (velocity, rate) in [([1.5, -0.3, 2.0], [0.0; 3]), ([0.6, -1.2, 0.9], [0.2, -0.4, 0.3])] {
+        let twist = Twist::new(numbers(velocity), numbers(rate), numbers([0.0, 1.0, 0.0])).expect("sound");
+        let mut trajectory: Trajectory<S, 16> = Trajectory::new(streams(INSTANTS));
+        let ride = |k: i64| 5_000_000_000_000 + k * 7 * MS;
+        for k in 0..16 {
+            trajectory.push_velocity(ride(k), numbers(velocity)).expect("sound");
+            trajectory.push_rate(ride(k) + 3 * MS, numbers(rate)).expect("sound");
+        }
+        let motion = trajectory.frame(ride(5) + MS, -30 * MS..=60 * MS).expect("covered");
+        for time_ns in [-30 * MS, -MS, 0, 1, 17 * MS, 60 * MS] {
+            let expected: Pose<S> = twist.pose(S::from_f64(seconds(time_ns)));
+            let pose = motion.pose(S::from_f64(seconds(time_ns)));
+            let rotation = expected.rotation.map(|row| row.map(S::to_f64));
+            let off = difference(&pose, expected.position_m.map(S::to_f64), rotation);
+            assert!(off < tolerance, "{time_ns} ns: {off}");
+            for (got, expected) in pose.velocity_m_s.into_iter().zip(velocity) {
+                assert!((got.to_f64() - expected).abs() < 10.0 * tolerance);
+            }
+        }
+        assert_eq!(motion.gravity(), twist.gravity());
+    }
+}
+
+#[test]
+fn a_constant_twist_is_a_twist() {
+    same_as_the_twist::<f64>(1e-15);
+    // One rounding at each stamp.
+    same_as_the_twist::<f32>(5e-7);
+    same_as_the_twist::<Micro>(5e-7);
+    same_as_the_twist::<Q32>(1e-8);
+}
+
+/// Forward at 2 m/s, turning right: on a circle, also far beyond what the series is for.
+#[test]
+fn an_arc_is_a_circle() {
+    for yaw_rate in [0.01, 1.0, 40.0] {
+        let mut trajectory: Trajectory<f64, 8> = Trajectory::new(streams(INSTANTS));
+        for k in 0..8 {
+            trajectory.push_velocity(k * 40 * MS, [0.0, 0.0, 2.0]).expect("sound");
+            trajectory.push_rate(k * 40 * MS, [0.0, yaw_rate, 0.0]).expect("sound");
+        }
+        let motion = trajectory.frame(100 * MS, -100 * MS..=100 * MS).expect("covered");
+        for time_s in [-0.1, -0.03, 0.01, 0.1] {
+            let (angle, radius): (f64, f64) = (yaw_rate * time_s, 2.0 / yaw_rate);
+            let (sine, cosine) = angle.sin_cos();
+            let position = [2.0 * radius * (angle / 2.0).sin().powi(2), 0.0, radius * sine];
+            let rotation = [[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]];
+            let pose = motion.pose(time_s);
+            assert!(difference(&pose, position, rotation) < 1e-12, "{yaw_rate} rad/s, {time_s} s");
+            assert!((pose.velocity_m_s[0] - 2.0 * sine).abs() < 1e-12);
+            assert!((pose.rate_rad_s[1] - yaw_rate).abs() < 1e-12);
+        }
+    }
+}
+
+/// Wheel odometry of 20 Hz while braking by 1 m/s²: the samples lie on a line, so nothing is lost.
+#[test]
+fn braking_is_exact() {
+    let at = |t: f64| 2.0 * t - 0.5 * t * t;
+    let mut trajectory: Trajectory<f64, 8> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    for k in 0..8 {
+        trajectory.push_velocity(k * 50 * MS, [0.0, 0.0, 2.0 - seconds(k * 50 * MS)]).expect("sound");
+    }
+    let start_ns = 130 * MS;
+    let motion = trajectory.frame(start_ns, -100 * MS..=150 * MS).expect("covered");
+    for time_s in [-0.1, -0.08, 0.0, 0.005, 0.02, 0.1, 0.15] {
+        let expected = at(seconds(start_ns) + time_s) - at(seconds(start_ns));
+        let pose = motion.pose(time_s);
+        assert!((pose.position_m[2] - expected).abs() < 1e-15, "{time_s} s");
+        assert!((pose.velocity_m_s[2] - (2.0 - seconds(start_ns) - time_s)).abs() < 1e-15);
+    }
+}
+
+/// The same ride by instants and by means; a mean taken for an instant is late by half a period.
+#[test]
+fn the_meaning_of_a_stamp() {
+    let speed = |t: f64| 2.0 - t;
+    let period_ns = 20 * MS;
+    let frame = |stamps, at_stamp: fn(f64) -> f64| {
+        let mut trajectory: Trajectory<f64, 16> = Trajectory::new(Streams { rate: None, ..streams(stamps) });
+        for k in 0..16 {
+            let velocity = [speed(at_stamp(seconds(k * period_ns))), 0.0, 0.0];
+            trajectory.push_velocity(k * period_ns, velocity).expect("sound");
+        }
+        trajectory.frame(5 * period_ns, 0..=2 * period_ns).expect("covered").pose(0.04).position_m[0]
+    };
+    let exact = (speed(0.1) + speed(0.14)) / 2.0 * 0.04;
+    assert!((frame(INSTANTS, |t| t) - exact).abs() < 1e-15);
+    assert!((frame(MEANS, |t| t - 0.01) - exact).abs() < 1e-15);
+    let late = frame(INSTANTS, |t| t - 0.01) - exact;
+    assert!((late - 0.01 * 0.04).abs() < 1e-15, "{late}");
+}
+
+#[test]
+fn means_are_constant_up_to_their_stamp() {
+    let mut trajectory: Trajectory<f64, 4> = Trajectory::new(Streams { rate: None, ..streams(MEANS) });
+    for (stamp_ns, speed) in [(0, 9.0), (10 * MS, 1.0), (20 * MS, 3.0)] {
+        trajectory.push_velocity(stamp_ns, [speed, 0.0, 0.0]).expect("sound");
+    }
+    let motion = trajectory.frame(5 * MS, -6 * MS..=25 * MS).expect("covered");
+    for (time_s, x) in
+        [(0.005, 0.005), (0.01, 0.02), (0.015, 0.035), (0.025, 0.065), (-0.005, -0.005), (-0.006, -0.014)]
+    {
+        assert!((motion.pose(time_s).position_m[0] - x).abs() < 1e-15, "{time_s} s");
+    }
+}
+
+/// Camera time is stamp plus offset: a clock that is behind has a positive one.
+#[test]
+fn offsets_of_clocks() {
+    for offset_ns in [-7_000_000_000_000, -3 * MS, 0, 4 * MS, 123_456_789_012_345] {
+        let behind = StreamClock { offset_ns, ..EXACT };
+        let mut trajectory: Trajectory<f64, 16> =
+            Trajectory::new(Streams { velocity: INSTANTS, rate: Some(Stamps::Instant(behind)), gravity: None });
+        for k in 0..16 {
+            let t = seconds(k * 5 * MS);
+            trajectory.push_velocity(k * 5 * MS, [0.0; 3]).expect("sound");
+            trajectory.push_rate(k * 5 * MS - offset_ns, [0.0, 10.0 * t, 0.0]).expect("sound");
+        }
+        let pose = trajectory.frame(20 * MS, 0..=30 * MS).expect("covered").pose(0.03);
+        let angle: f64 = 5.0 * (0.05 * 0.05 - 0.02 * 0.02);
+        assert!((pose.rotation[0][2] - angle.sin()).abs() < 1e-12, "{offset_ns}");
+    }
+}
+
+/// Odometry of 20 Hz and a gyroscope of 200 Hz on a clock of its own, against the integration of small steps.
+#[test]
+fn streams_of_different_rates() {
+    let gyro = StreamClock { offset_ns: 90_000_123, max_gap_ns: 6 * MS as u64 };
+    let mut trajectory: Trajectory<f64, 64> =
+        Trajectory::new(Streams { velocity: INSTANTS, rate: Some(Stamps::Instant(gyro)), gravity: None });
+    for k in 0..8 {
+        let stamp_ns = k * 50 * MS;
+        trajectory.push_velocity(stamp_ns, (WILD.velocity_m_s)(seconds(stamp_ns))).expect("sound");
+    }
+    for k in 0..60 {
+        let stamp_ns = k * 5 * MS - gyro.offset_ns;
+        trajectory.push_rate(stamp_ns, (WILD.rate_rad_s)(seconds(k * 5 * MS))).expect("sound");
+    }
+    let start_ns = 101 * MS;
+    let motion = trajectory.frame(start_ns, -33 * MS..=66 * MS).expect("covered");
+    for time_ns in [-33 * MS, 2 * MS, 33 * MS, 66 * MS] {
+        let (position, rotation) = WILD.pose(seconds(start_ns), seconds(start_ns + time_ns));
+        let off = difference(&motion.pose(seconds(time_ns)), position, rotation);
+        // The sideways swing of 3 Hz, cut to chords of 50 ms.
+        assert!(off < 1e-3, "{time_ns} ns: {off}");
+    }
+}
+
+/// With twice as many samples the error is a quarter, though axis, rate and velocity all change.
+#[test]
+fn the_error_is_of_second_order() {
+    let error = |period_ns: i64| {
+        let mut trajectory: Trajectory<f64, 256> = Trajectory::new(streams(INSTANTS));
+        WILD.feed(&mut trajectory, 0, period_ns);
+        let motion = trajectory.frame(10 * MS, -10 * MS..=100 * MS).expect("covered");
+        let at = |time_ns: i64| {
+            let (position, rotation) = WILD.pose(0.01, 0.01 + seconds(time_ns));
+            difference(&motion.pose(seconds(time_ns)), position, rotation)
+        };
+        at(-10 * MS).max(at(33 * MS)).max(at(100 * MS))
+    };
+    let errors = [4 * MS, 2 * MS, MS].map(error);
+    assert!(errors[2] < 2e-6, "{errors:?}");
+    for pair in errors.windows(2) {
+        assert!((3.3..4.7).contains(&(pair[0] / pair[1])), "{errors:?}");
+    }
+}
+
+/// The pose of the next frame's start, and back again.
+#[test]
+fn from_frame_to_frame() {
+    let mut trajectory: Trajectory<f64, 64> = Trajectory::new(streams(INSTANTS));
+    WILD.feed(&mut trajectory, 0, 5 * MS);
+    let (first_ns, interval_ns) = (100 * MS, 35 * MS);
+    let here = trajectory.frame(first_ns, 0..=70 * MS).expect("covered");
+    let there = trajectory.frame(first_ns + interval_ns, -interval_ns..=interval_ns).expect("covered");
+    let (step, next) = (here.pose(0.035), there.pose(0.02));
+    let onwards = [0, 1, 2].map(|axis| step.position_m[axis] + step.turn(next.position_m)[axis]);
+    let direct = here.pose(0.055);
+    assert!(onwards.iter().zip(direct.position_m).all(|(a, b)| (a - b).abs() < 1e-14));
+    let back = there.pose(-0.035);
+    let again = [0, 1, 2].map(|axis| back.position_m[axis] + back.turn(step.position_m)[axis]);
+    assert!(again.iter().all(|component| component.abs() < 1e-14), "{again:?}");
+    for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+        let there_and_back = back.turn(step.turn(axis));
+        assert!(there_and_back.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-14));
+    }
+}
+
+/// The camera rolls: down turns the other way in its axes.
+#[test]
+fn gravity_is_turned_along() {
+    let roll_rate = 2.0;
+    let down_at = |t: f64| [(roll_rate * t).sin(), (roll_rate * t).cos(), 0.0];
+    let gravity_at = |stamps_ns: &[i64], start_ns: i64| {
+        let mut trajectory: Trajectory<f64, 64> =
+            Trajectory::new(Streams { gravity: Some(EXACT), ..streams(INSTANTS) });
+        for k in 0..64 {
+            trajectory.push_velocity(k * 5 * MS, [1.0, 0.0, 0.0]).expect("sound");
+            trajectory.push_rate(k * 5 * MS, [0.0, 0.0, roll_rate]).expect("sound");
+        }
+        for stamp_ns in stamps_ns {
+            let gravity = down_at(seconds(*stamp_ns)).map(|component| 9.81 * component);
+            trajectory.push_gravity(*stamp_ns, gravity).expect("sound");
+        }
+        trajectory.frame(start_ns, 0..=30 * MS).map(|motion| motion.gravity())
+    };
+    for (stamps_ns, start_ns) in
+        [(&[100 * MS, 180 * MS][..], 120 * MS), (&[100 * MS], 190 * MS), (&[100 * MS], 20 * MS)]
+    {
+        let (down, expected) = (gravity_at(stamps_ns, start_ns).expect("covered"), down_at(seconds(start_ns)));
+        assert!(down.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{stamps_ns:?} {start_ns}");
+    }
+    let stale = TrajectoryGap::Stale {
+        stream: TrajectoryStream::Gravity,
+        at_ns: 201 * MS,
+        gap_ns: 101 * MS as u64,
+        max_gap_ns: EXACT.max_gap_ns,
+    };
+    assert_eq!(gravity_at(&[100 * MS], 201 * MS), Err(stale));
+    assert_eq!(gravity_at(&[], 0), Err(TrajectoryGap::Missing(TrajectoryStream::Gravity)));
+}
+
+#[test]
+fn the_oldest_samples_give_way() {
+    let mut trajectory: Trajectory<f64, 4> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    for k in 0..11 {
+        trajectory.push_velocity(k * 80 * MS, [k as f64, 0.0, 0.0]).expect("sound");
+    }
+    // Left are 560, 640, 720 and 800 ms; 460 ms is as far as the first of them is trusted.
+    let pose = trajectory.frame(600 * MS, 0..=80 * MS).expect("covered").pose(0.08);
+    assert!((pose.position_m[0] - 0.08 * 8.0).abs() < 1e-15);
+    assert!(trajectory.frame(460 * MS, 0..=MS).is_ok());
+    assert_eq!(trajectory.frame(459 * MS, 0..=MS).err(), Some(stale(459 * MS, 101 * MS)));
+    trajectory.clear();
+    assert_eq!(trajectory.frame(600 * MS, 0..=MS).err(), Some(TrajectoryGap::Missing(TrajectoryStream::Velocity)));
+    assert_eq!(trajectory.push_velocity(0, [0.0; 3]), Ok(()), "a clock that was set back");
+}
+
+fn stale(at_ns: i64, gap_ns: i64) -> TrajectoryGap {
+    let gap_ns = gap_ns.unsigned_abs();
+    TrajectoryGap::Stale { stream: TrajectoryStream::Velocity, at_ns, gap_ns, max_gap_ns: EXACT.max_gap_ns }
+}
+
+#[test]
+fn gaps_have_numbers() {
+    let mut trajectory: Trajectory<f32, 8> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    for stamp_ns in [0, 50 * MS, 200 * MS, 250 * MS] {
+        trajectory.push_velocity(stamp_ns, [1.0, 0.0, 0.0]).expect("sound");
+    }
+    let gap = |start_ns, from_ns, to_ns| trajectory.frame(start_ns, from_ns..=to_ns).err();
+    assert_eq!(gap(0, 0, 50 * MS), None);
+    assert_eq!(gap(0, 0, 50 * MS + 1), Some(stale(50 * MS, 150 * MS)));
+    assert_eq!(gap(60 * MS, 0, 30 * MS), Some(stale(60 * MS, 150 * MS)));
+    assert_eq!(gap(200 * MS, 0, 150 * MS), None);
+    assert_eq!(gap(200 * MS, 0, 151 * MS), Some(stale(351 * MS, 101 * MS)));
+    assert_eq!(gap(200 * MS, -MS, 0), Some(stale(199 * MS, 150 * MS)));
+    assert_eq!(gap(0, -100 * MS, 0), None);
+    assert_eq!(gap(0, -101 * MS, 0), Some(stale(-101 * MS, 101 * MS)));
+    let message = gap(200 * MS, 0, 151 * MS).expect("a gap").to_string();
+    assert_eq!(message, "no velocity at 351000000 ns: a gap of 101000000 ns, but at most 100000000 ns are trusted");
+
+    // A rotation that was promised and never came is no rotation of zero.
+    let mut trajectory: Trajectory<f32, 8> = Trajectory::new(streams(INSTANTS));
+    trajectory.push_velocity(0, [1.0, 0.0, 0.0]).expect("sound");
+    let missing = trajectory.frame(0, 0..=MS).err();
+    assert_eq!(missing, Some(TrajectoryGap::Missing(TrajectoryStream::Rate)));
+    assert_eq!(missing.expect("a gap").to_string(), "no rotation rate: not a single sample");
+}
+
+#[test]
+fn samples_that_are_none() {
+    let mut trajectory: Trajectory<f64, 8> = Trajectory::new(Streams { gravity: Some(EXACT), ..streams(INSTANTS) });
+    let value = |result: Result<(), TrajectoryError>| match result {
+        Err(TrajectoryError::Value(error)) => error.parameter,
+        other => panic!("{other:?}"),
+    };
+    for nonsense in [f64::NAN, f64::INFINITY, 1e6] {
+        assert_eq!(value(trajectory.push_velocity(0, [0.0, nonsense, 0.0])), "velocity_m_s");
+        assert_eq!(value(trajectory.push_rate(0, [nonsense, 0.0, 0.0])), "rate_rad_s");
+        assert_eq!(value(trajectory.push_gravity(0, [0.0, 0.0, nonsense])), "gravity");
+    }
+    assert_eq!(value(trajectory.push_gravity(0, [0.0; 3])), "gravity");
+    let stream = TrajectoryStream::Velocity;
+    for stamp_ns in [i64::MIN, i64::MAX] {
+        let refused = trajectory.push_velocity(stamp_ns, [0.0; 3]);
+        assert_eq!(refused, Err(TrajectoryError::StampRange { stream, stamp_ns }));
+    }
+    assert_eq!(trajectory.push_velocity(5, [1.0, 0.0, 0.0]), Ok(()));
+    for stamp_ns in [5, 4, -1] {
+        let refused = trajectory.push_velocity(stamp_ns, [0.0; 3]);
+        assert_eq!(refused, Err(TrajectoryError::StampOrder { stream, stamp_ns, previous_ns: 5 }));
+    }
+    let message = trajectory.push_velocity(4, [0.0; 3]).expect_err("backwards").to_string();
+    assert_eq!(message, "velocity at 4 ns came after 5 ns: stamps must increase");
+    let mut bare: Trajectory<f64, 8> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    assert_eq!(bare.push_rate(0, [0.0; 3]), Err(TrajectoryError::Undeclared(TrajectoryStream::Rate)));
+    assert_eq!(bare.push_gravity(0, [0.0, 1.0, 0.0]), Err(TrajectoryError::Undeclared(TrajectoryStream::Gravity)));
+}
+
+#[test]
+fn it_can_be_a_static_and_is_as_small_as_promised() {
+    const TRAJECTORY: Trajectory<f32, 32> = Trajectory::new(Streams { velocity: MEANS, rate: None, gravity: None });
+    assert!(TRAJECTORY.frame(0, 0..=0).is_err());
+    assert!(size_of::<Trajectory<f32, 32>>() <= 3 * (32 * 24 + 64), "{}", size_of::<Trajectory<f32, 32>>());
+}
+
+/// Where the wild ride sees an upright edge on each row, from poses of small steps.
+fn edges_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<Edge> {
+    let edge = |row: u16| {
+        let (position, rotation) = WILD.pose(start_s, start_s + scene.time_s(row));
+        let to_camera = |v: Vector| [0, 1, 2].map(|axis| (0..3).map(|k| rotation[k][axis] * v[k]).sum::<f64>());
+        let foot = [scene.bearing * scene.depth_m, 0.0, scene.depth_m];
+        let a = to_camera([0, 1, 2].map(|axis| foot[axis] - position[axis]));
+        let b = to_camera(scene.gravity);
+        let w = (f64::from(row) - scene.cy) / scene.focal_px;
+        let along = (w * a[2] - a[1]) / (b[1] - w * b[2]);
+        let column = scene.cx + scene.focal_px * (a[0] + along * b[0]) / (a[2] + along * b[2]);
+        Edge::new(row, q16(column), (scene.time_s(row) * 1e9).round() as i64)
+    };
+    (0..scene.rows).map(edge).collect()
+}
+
+/// Braking, yawing and nodding within the frame: a sensor of 1 kHz gets the depth, the twist at frame start does not.
+#[test]
+fn ranges_under_a_changing_motion() {
+    let start_ns = 40 * MS;
+    let start_s = seconds(start_ns);
+    for (bearing, depth_m) in [(0.05, 2.0), (-0.3, 1.2), (0.2, 4.0)] {
+        let scene = Scene { bearing, depth_m, gravity: [0.03, 0.9991, 0.03], ..Scene::vga() };
+        let length = inner(scene.gravity, scene.gravity).sqrt();
+        let scene = Scene { gravity: scene.gravity.map(|component| component / length), ..scene };
+        let edges = edges_of_a_wild_ride(&scene, start_s);
+        let mut trajectory: Trajectory<f64, 128> =
+            Trajectory::new(Streams { gravity: Some(EXACT), ..streams(INSTANTS) });
+        WILD.feed(&mut trajectory, 0, MS);
+        trajectory.push_gravity(start_ns, scene.gravity).expect("sound");
+        let motion: FrameMotion<'_, f64, 128> = trajectory.frame(start_ns, 0..=34 * MS).expect("covered");
+        let setup = scene.setup_with(Uncertainty::NONE);
+        let line = line_of::<64>(&edges);
+        let error = |inverse_depth: f64| (inverse_depth * depth_m - 1.0).abs();
+        let found = error(Range::of_line(&setup, &motion, &line).estimate.inverse_depth_per_m);
+        assert!(found < 2e-5, "{found} at {depth_m} m");
+        let twist = Twist::new((WILD.velocity_m_s)(start_s), (WILD.rate_rad_s)(start_s), scene.gravity);
+        let constant = Range::of_line(&setup, &twist.expect("sound"), &line).estimate.inverse_depth_per_m;
+        assert!(error(constant) > 0.003, "{} at {depth_m} m", error(constant));
+    }
+}
+
+fn mirrored_velocity([x, y, z]: Vector) -> Vector {
+    [-x, y, z]
+}
+
+fn mirrored_rate([x, y, z]: Vector) -> Vector {
+    [x, -y, -z]
+}
+
+fn vectors(most: f64) -> impl Strategy<Value = Vec<Vector>> {
+    prop::collection::vec([-most..most, -most..most, -most..most], 8)
+}
+
+proptest! {
+    #![proptest_config(seeded(200))]
+
+    #[test]
+    fn mirror(velocities in vectors(5.0), rates in vectors(3.0), time_s in -0.05..0.1_f64) {
+        let pose = |velocity: fn(Vector) -> Vector, rate: fn(Vector) -> Vector| {
+            let mut trajectory: Trajectory<f64, 8> = Trajectory::new(streams(INSTANTS));
+            for ((k, v), w) in (0..).zip(&velocities).zip(&rates) {
+                trajectory.push_velocity(k * 20 * MS, velocity(*v)).expect("sound");
+                trajectory.push_rate(k * 15 * MS, rate(*w)).expect("sound");
+            }
+            trajectory.frame(50 * MS, 0..=0).expect("covered").pose(time_s)
+        };
+        let (here, there) = (pose(|v| v, |w| w), pose(mirrored_velocity, mirrored_rate));
+        prop_assert_eq!(mirrored_velocity(here.position_m), there.position_m);
+        prop_assert_eq!(mirrored_rate(here.rate_rad_s), there.rate_rad_s);
+        prop_assert_eq!(mirrored_velocity(here.turn([1.0, 2.0, 3.0])), there.turn([-1.0, 2.0, 3.0]));
+    }
+
+    /// Whatever comes: no panic, and no pose that is not a number.
+    #[test]
+    fn anything_goes(
+        stamps in prop::collection::vec(any::<i64>(), 0..12),
+        near in prop::collection::vec(-1_000_000_000..1_000_000_000_i64, 0..12),
+        value in [-1e4..1e4, -1e4..1e4, -1e4..1e4],
+        (offset_ns, max_gap_ns, start_ns, from_ns, to_ns) in any::<(i64, u64, i64, i64, i64)>(),
+        time_s in -10.0..10.0_f32,
+    ) {
+        let clock = StreamClock { offset_ns: offset_ns % 1000, max_gap_ns };
+        let streams = Streams {
+            velocity: Stamps::MeanSincePrevious(clock),
+            rate: Some(Stamps::Instant(StreamClock { offset_ns, max_gap_ns })),
+            gravity: Some(clock),
+        };
+        let mut trajectory: Trajectory<f32, 4> = Trajectory::new(streams);
+        for stamp_ns in stamps.into_iter().chain(near) {
+            let _ = trajectory.push_velocity(stamp_ns, numbers(value));
+            let _ = trajectory.push_rate(stamp_ns, numbers(value.map(|component| component / 10.0)));
+            let _ = trajectory.push_gravity(stamp_ns, numbers(value));
+        }
+        for start_ns in [start_ns, start_ns % 1_000_000_000] {
+            if let Ok(motion) = trajectory.frame(start_ns, from_ns..=to_ns) {
+                let pose = motion.pose(time_s);
+                let all = pose.position_m.into_iter().chain(pose.rotation.into_iter().flatten()).chain(motion.gravity());
+                prop_assert!(all.into_iter().all(f32::is_finite), "{:?} {:?}", pose, motion.gravity());
+            }
+        }
+    }
+}
