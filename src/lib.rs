@@ -114,6 +114,7 @@ mod setup;
 // From edges to lines.
 mod edge;
 mod scan;
+mod template;
 mod profile;
 mod line;
 mod sweep;

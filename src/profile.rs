@@ -4,16 +4,17 @@
 //! so far tell both levels and the blur, the maximum-likelihood estimate is one step from the prediction: the row minus
 //! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
 
+use crate::template::{Place, Template};
 use crate::{Edge, Polarity, ScannedEdge};
 
 /// Levels, blur and noise of a tracked edge, running means over its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Profile {
-    left_q8: u16,
-    right_q8: u16,
-    /// One sigma of the edge's blur.
-    blur_q8: u16,
+    /// Brightness on the left and on the right, in 1/65536 grey level.
+    levels_q16: [u32; 2],
+    /// One sigma of the edge's blur, in 1/4096 px.
+    blur_q12: u16,
     rows: u16,
     /// Variance of a pixel's noise, in 1/65536 square grey level.
     noise_q16: u32,
@@ -27,15 +28,12 @@ pub(crate) struct Profile {
 struct Fit {
     /// Column minus the expected one.
     shift_q16: i64,
-    /// Blur minus the expected one.
-    widening_q8: i64,
-    /// Contrast as a part of the expected one, in 1/256.
-    amplitude_q8: i64,
+    width_q12: i64,
     /// Residual variance of a pixel.
     residual_q16: i64,
     sigma_q16: i64,
-    left_q8: Option<u16>,
-    right_q8: Option<u16>,
+    /// The row's own levels minus the mean ones.
+    off_q16: [i64; 2],
 }
 
 /// Of a sharp lens, half a pixel, and the pixel itself.
@@ -43,6 +41,8 @@ const LEAST_BLUR_Q8: u16 = 148;
 /// What an edge is taken to be blurred at least before more is known.
 const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
+/// Beyond this a row's first look tells the blur only roughly.
+const LONG_BLUR_Q8: u16 = 2 << 8;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -54,10 +54,24 @@ pub(crate) struct Neighbours {
 impl Neighbours {
     /// None near enough to matter.
     pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+
+    /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
+    /// noise breaks a long blur.
+    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
+        let mut around = Self::NONE;
+        for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
+            if column_q16 < edge.column_q16 {
+                around.left_q16 = around.left_q16.max(i64::from(column_q16));
+            } else if column_q16 > edge.column_q16 {
+                around.right_q16 = around.right_q16.min(i64::from(column_q16));
+            }
+        }
+        around
+    }
 }
 
 /// Pixels of plateau on either side that tell its level.
-const PLATEAU: i32 = 4;
+const PLATEAU: i64 = 4;
 /// Least contrast in 1/256 grey level.
 const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 /// Rounding to whole grey levels alone.
@@ -67,18 +81,53 @@ impl Profile {
     /// From an edge that a row shows on its own.
     pub(crate) fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
         let blur_q8 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8);
-        let left_q8 = plateau(pixels, edge.column_q16, blur_q8, Side::Left, around)?;
-        let right_q8 = plateau(pixels, edge.column_q16, blur_q8, Side::Right, around)?;
+        let reach_q8 = Template::new(blur_q8).clear_q8();
+        let side = |side| plateau(pixels, edge.column_q16, reach_q8, side, around);
+        let levels_q16 = [side(Side::Left)?, side(Side::Right)?];
         let noise_q16 = noise_q8.saturating_mul(noise_q8);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let noise_q16 = noise_q16.max(LEAST_NOISE_Q16);
-        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        let mut profile = Self { levels_q16, blur_q12: blur_q8 << 4, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        if blur_q8 > LONG_BLUR_Q8 {
+            profile.settle(pixels, i64::from(edge.column_q16), around);
+        }
         let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
         (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
     }
 
+    /// Levels and blur of one row, each from the other: a long blur's width is only guessed at first, and levels taken from
+    /// its flanks would be remembered for long.
+    fn settle(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) {
+        let mut column_q16 = column_q16;
+        for _ in 0..4 {
+            let Some(fit) = i32::try_from(column_q16).ok().and_then(|column| self.fit(pixels, column, around)) else {
+                return;
+            };
+            let blur_q16 = i64::from(self.blur_q12) << 4;
+            column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
+            self.levels_q16.iter_mut().zip(fit.off_q16).for_each(|(level_q16, off_q16)| add(level_q16, off_q16, 1));
+            self.widen(fit.width_q12, 1);
+        }
+    }
+
+    /// One part of `parts` of the way to another blur.
+    fn widen(&mut self, width_q12: i64, parts: i64) {
+        let blur_q12 = i64::from(self.blur_q12);
+        let wider_q12 = width_q12.clamp(blur_q12 / 2, 2 * blur_q12);
+        self.blur_q12 = toward(self.blur_q12, wider_q12, parts).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
+    }
+
+    fn level_q8(&self, side: Side) -> i64 {
+        let [left_q16, right_q16] = self.levels_q16;
+        i64::from(if side == Side::Left { left_q16 } else { right_q16 }) >> 8
+    }
+
     fn contrast_q8(&self) -> i32 {
-        i32::from(self.right_q8) - i32::from(self.left_q8)
+        (self.level_q8(Side::Right) - self.level_q8(Side::Left)) as i32
+    }
+
+    const fn blur_q8(&self) -> u16 {
+        self.blur_q12 >> 4
     }
 
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
@@ -98,7 +147,7 @@ impl Profile {
     ) -> Option<ScannedEdge> {
         let expected = i32::try_from(expected_q16).ok()?;
         let mut fit = self.fit(pixels, expected, around)?;
-        let blur_q16 = i64::from(self.blur_q8) << 8;
+        let blur_q16 = i64::from(self.blur_q12) << 4;
         // One step is exact only near the expected column.
         if fit.shift_q16.abs() > blur_q16 / 4 {
             let nearer = expected_q16 + fit.shift_q16.clamp(-blur_q16, blur_q16);
@@ -106,93 +155,95 @@ impl Profile {
             fit.shift_q16 += nearer - expected_q16;
         }
         let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4)
-            && (128..=512).contains(&fit.amplitude_q8)
             && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
         if !fits {
             return None;
         }
+        // The row's own width, so that the line's mean settles like any mean.
+        let width_q8 = (fit.width_q12 >> 4).clamp(1, i64::from(MOST_BLUR_Q8)) as u16;
         self.learn(&fit);
         Some(ScannedEdge {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
             sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
-            width_q8: self.blur_q8,
+            width_q8,
             contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
         })
     }
 
     fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
-        let reach_q16 = (3 * i64::from(self.blur_q8) + 256) << 8;
+        let template = Template::new(self.blur_q8());
         let expected = i64::from(expected_q16);
         // Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
-        let clear_q16 = (2 * i64::from(self.blur_q8) + 256) << 8;
+        let clear_q16 = (2 * i64::from(self.blur_q8()) + 256) << 8;
         let border_q16 = (pixels.len() as i64 - 1) << 16;
         let alone =
             expected - clear_q16 >= around.left_q16.max(0) && expected + clear_q16 <= around.right_q16.min(border_q16);
         if !alone {
             return None;
         }
-        // Half the way to a neighbour is this edge's own.
-        let from = ((expected - reach_q16).max((expected + around.left_q16) / 2) + 65535) >> 16;
-        let to = ((expected + reach_q16).min((expected + around.right_q16) / 2) >> 16) + 1;
-        let (from, to) = (from.max(0), to.min(pixels.len() as i64));
+        let (from_q16, to_q16) = view(expected, template.clear_q8() << 8, around);
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
         let window = pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?)?;
-        let left_q8 = plateau(pixels, expected_q16, self.blur_q8, Side::Left, around);
-        let right_q8 = plateau(pixels, expected_q16, self.blur_q8, Side::Right, around);
-        let [left_unrest, right_unrest] = self.unrest_q8;
-        let left = self.level(left_q8, self.left_q8, left_unrest);
-        let right = self.level(right_q8, self.right_q8, right_unrest);
-        let contrast = right - left;
-        // The same kind of edge: half to twice as strong, of the same sign.
-        let usual = i64::from(self.contrast_q8());
-        if contrast * usual.signum() * 2 < usual.abs() || contrast.abs() > 2 * usual.abs() {
+        let off_q8 = (from << 8) - (expected >> 8);
+        let (usual, mean_q8) =
+            (i64::from(self.contrast_q8()), [Side::Left, Side::Right].map(|side| self.level_q8(side)));
+        let mut sums = Sums::over(window, off_q8, &template, mean_q8);
+        let off_q16 = sums.levels_off_q16();
+        let [left_q8, right_q8] = self.departure(off_q16);
+        let [left_mean_q8, right_mean_q8] = mean_q8;
+        if left_q8 != 0 || right_q8 != 0 {
+            sums = Sums::over(window, off_q8, &template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+        }
+        let contrast = usual + right_q8 - left_q8;
+        // The same kind of edge: not so much weaker that it would only add noise, and at most twice as strong.
+        if contrast * usual.signum() * 4 < usual.abs() * 3 || contrast.abs() > 2 * usual.abs() {
             return None;
         }
-        let middle_q8 = (left + right) / 2;
-        let per_blur_q16 = (1_i64 << 24) / i64::from(self.blur_q8.max(1));
-        let mut sums = Sums::default();
-        for (index, pixel) in window.iter().enumerate() {
-            let off_q8 = ((from + index as i64) << 8) - i64::from(expected_q16 >> 8);
-            let z_q8 = (off_q8 * per_blur_q16) >> 16;
-            let (density, cumulative) = normal(z_q8);
-            let value_q8 = i64::from(*pixel) << 8;
-            let expected_q8 = left + ((contrast * cumulative) >> 15);
-            sums.add(
-                value_q8 - expected_q8,
-                density,
-                (density * z_q8) >> 8,
-                cumulative - (1 << 14),
-                value_q8 - middle_q8,
-            );
-        }
-        let count = window.len() as i64;
         // Both flanks must be in view.
-        if count < 4 || sums.slope_slope < (1 << 24) {
+        if sums.pixels < 4 || sums.slope_slope < 1 << 24 {
             return None;
         }
-        let blur_q16 = i64::from(self.blur_q8) << 8;
-        let per = |sum: i64, square: i64| -> Option<i64> { (-blur_q16 * sum).checked_div(contrast * (square >> 15)) };
-        let shift_q16 = per(sums.residual_slope, sums.slope_slope)?;
-        let widening_q8 = per(sums.residual_width, sums.width_width.max(1 << 15))? >> 8;
-        let per_slope = sums.residual_slope.checked_div((sums.slope_slope >> 15).max(1))?;
-        let explained = (per_slope * sums.residual_slope) >> 15;
-        let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 2).max(1);
-        let noise_q8 = i64::from(self.noise_q16.isqrt());
-        let of_noise_q16 =
-            ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;
-        // A level that is wrong by u shifts the edge by u σ/(0.56 A): beside texture, no plateau tells the level at the edge.
-        let restless =
-            self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
-        let of_texture_q16 = (2 * restless.sum::<i64>() * blur_q16).checked_div(contrast.abs())?;
-        let sigma_q16 = ((of_noise_q16 * of_noise_q16 + of_texture_q16 * of_texture_q16) as u64).isqrt() as i64;
+        let (box_q16, slope_slope) = (template.box_q8 << 8, sums.slope_slope >> 15);
+        let [residual_slope, residual_widening] = sums.with_own_levels();
+        let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
+        let widening_q12 = (16 * template.per_widening_q8 * residual_widening)
+            .checked_div(contrast * (sums.widening_widening >> 15).max(1))?;
+        let explained = (sums.residual_slope / slope_slope * sums.residual_slope) >> 15;
         Some(Fit {
             shift_q16,
-            widening_q8,
-            amplitude_q8: ((sums.step_value << 15).checked_div(sums.step_step)? << 8).checked_div(contrast)?,
-            residual_q16,
-            sigma_q16,
-            left_q8,
-            right_q8,
+            width_q12: i64::from(self.blur_q12) + widening_q12,
+            residual_q16: (sums.residual_residual - explained).max(0) / (sums.pixels - 1),
+            sigma_q16: self.sigma_q16(&sums, box_q16, contrast.abs())?,
+            off_q16,
         })
+    }
+
+    /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong.
+    fn sigma_q16(&self, sums: &Sums, box_q16: i64, contrast_q8: i64) -> Option<i64> {
+        let noise_q8 = i64::from(self.noise_q16.isqrt());
+        let of_flank = ((noise_q8 * box_q16) << 15).checked_div(contrast_q8 * root(sums.slope_slope))?;
+        // Of a level that is off by one grey level.
+        let per_grey_q16 = ((box_q16 << 7) * sums.slope).checked_div(contrast_q8 * (sums.slope_slope >> 15))?;
+        let share_q16: i64 = sums.plateaus.iter().map(|plateau| 65536 / plateau.pixels.max(1)).sum();
+        let of_levels = (per_grey_q16 * noise_q8 * root(share_q16)) >> 16;
+        // Beside texture, no plateau tells the level at the edge.
+        let restless =
+            self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
+        let of_texture = (restless.sum::<i64>() * per_grey_q16) >> 8;
+        Some(root(of_flank * of_flank + of_levels * of_levels + of_texture * of_texture))
+    }
+
+    /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
+    /// another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
+    fn departure(&self, off_q16: [i64; 2]) -> [i64; 2] {
+        let noise_q16 = i64::from(self.noise_q16.isqrt()) << 8;
+        let ([left, right], [left_unrest, right_unrest]) = (off_q16, self.unrest_q8);
+        // Three sigma of a mean over four pixels.
+        let of = |off_q16: i64, unrest_q8| {
+            let departs = self.is_restless(unrest_q8) || off_q16.abs() > noise_q16 * 3 / 2;
+            if departs { off_q16 >> 8 } else { 0 }
+        };
+        [of(left, left_unrest), of(right, right_unrest)]
     }
 
     /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
@@ -200,35 +251,17 @@ impl Profile {
         u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
     }
 
-    /// The level to expect: the running mean, or the row's own where it is another one, as at the end of an object, where its
-    /// brightness fades and the mean would shift the edge.
-    fn level(&self, row_q8: Option<u16>, mean_q8: u16, unrest_q8: u16) -> i64 {
-        let noise_q8 = self.noise_q16.isqrt();
-        match row_q8 {
-            // Three sigma of a mean over four pixels.
-            Some(row) if self.is_restless(unrest_q8) || u32::from(row.abs_diff(mean_q8)) > noise_q8 * 3 / 2 => {
-                i64::from(row)
-            }
-            _ => i64::from(mean_q8),
-        }
-    }
-
     /// Running means: a small part of each new row, more at first.
     fn learn(&mut self, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
         let rows = i64::from(self.rows);
-        let [left_unrest, right_unrest] = &mut self.unrest_q8;
-        if let Some(level) = fit.left_q8 {
-            *left_unrest = toward(*left_unrest, i64::from(level.abs_diff(self.left_q8)), rows.min(16));
-            self.left_q8 = toward(self.left_q8, i64::from(level), rows.min(32));
+        // A few rows of something else are no texture.
+        let most_q8 = 4 * i64::from(self.white_q8);
+        for ((mean_q16, unrest_q8), off_q16) in self.levels_q16.iter_mut().zip(&mut self.unrest_q8).zip(fit.off_q16) {
+            *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
+            add(mean_q16, off_q16, rows.min(32));
         }
-        if let Some(level) = fit.right_q8 {
-            *right_unrest = toward(*right_unrest, i64::from(level.abs_diff(self.right_q8)), rows.min(16));
-            self.right_q8 = toward(self.right_q8, i64::from(level), rows.min(32));
-        }
-        let blur = i64::from(self.blur_q8);
-        let wider = blur + fit.widening_q8.clamp(-blur / 2, blur);
-        self.blur_q8 = toward(self.blur_q8, wider, rows.min(16)).clamp(LEAST_BLUR_Q8, MOST_BLUR_Q8);
+        self.widen(fit.width_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
         self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
@@ -237,32 +270,116 @@ impl Profile {
 
 /// One part of `parts` of the way to `to`.
 fn toward(from: u16, to: i64, parts: i64) -> u16 {
-    let step = (to - i64::from(from)) / parts.max(1);
-    (i64::from(from) + step).clamp(0, i64::from(u16::MAX)) as u16
+    let value = i64::from(from);
+    (value + (to - value) / parts.max(1)).clamp(0, i64::from(u16::MAX)) as u16
 }
 
-/// Inner products of residual r, slope of the profile φ, its change with the blur φz, and the step itself.
+/// Adds one part of `parts` to a level, in 1/65536 grey level.
+fn add(level_q16: &mut u32, off_q16: i64, parts: i64) {
+    *level_q16 = (i64::from(*level_q16) + off_q16 / parts.max(1)).clamp(0, 255 << 16) as u32;
+}
+
+fn root(square: i64) -> i64 {
+    (square.max(0) as u64).isqrt() as i64
+}
+
+/// Inner products of residual, slope of the profile, and its change with the width, over the flank; the residuals beyond.
 #[derive(Default)]
 struct Sums {
+    pixels: i64,
     residual_residual: i64,
     residual_slope: i64,
-    residual_width: i64,
+    residual_widening: i64,
+    slope: i64,
     slope_slope: i64,
-    width_width: i64,
-    step_step: i64,
-    step_value: i64,
+    slope_step: i64,
+    widening: i64,
+    widening_widening: i64,
+    widening_step: i64,
+    plateaus: [Plateau; 2],
+}
+
+/// Residuals on one side, beyond the blur.
+#[derive(Default)]
+struct Plateau {
+    pixels: i64,
+    residual_q8: i64,
 }
 
 impl Sums {
-    fn add(&mut self, residual: i64, slope: i64, width: i64, step: i64, value: i64) {
-        self.residual_residual += residual * residual;
-        self.residual_slope += residual * slope;
-        self.residual_width += residual * width;
-        self.slope_slope += slope * slope;
-        self.width_width += width * width;
-        self.step_step += step * step;
-        self.step_value += step * value;
+    /// Over a window whose first pixel lies `off_q8` from the expected column, given the levels to expect.
+    fn over(window: &[u8], off_q8: i64, template: &Template, [left_q8, right_q8]: [i64; 2]) -> Self {
+        let mut sums = Self::default();
+        let contrast = right_q8 - left_q8;
+        // At least the outermost pixels tell the levels.
+        let last_q8 = off_q8 + (window.len() as i64 - 1) * 256;
+        let left_of_q8 = off_q8.max(-template.clear_q8());
+        let right_of_q8 = last_q8.min(template.clear_q8());
+        let mut at_q8 = off_q8;
+        for pixel in window {
+            let place = template.at(at_q8);
+            let residual = (i64::from(*pixel) << 8) - left_q8 - ((contrast * place.step) >> 15);
+            let [left, right] = &mut sums.plateaus;
+            if at_q8 <= left_of_q8 {
+                left.add(residual);
+            } else if at_q8 >= right_of_q8 {
+                right.add(residual);
+            }
+            if place.slope != 0 {
+                sums.add(residual, &place);
+            }
+            at_q8 += 256;
+        }
+        sums
     }
+
+    fn add(&mut self, residual: i64, place: &Place) {
+        self.pixels += 1;
+        self.residual_residual += residual * residual;
+        self.residual_slope += residual * place.slope;
+        self.residual_widening += residual * place.widening;
+        self.slope += place.slope;
+        self.slope_slope += place.slope * place.slope;
+        self.slope_step += (place.slope * place.step) >> 15;
+        self.widening += place.widening;
+        self.widening_widening += place.widening * place.widening;
+        self.widening_step += (place.widening * place.step) >> 15;
+    }
+
+    /// Products of the residual with slope and widening, had the row's own levels been expected.
+    ///
+    /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
+    /// and each row for itself knows neither lag nor drift, and no bad start.
+    fn with_own_levels(&self) -> [i64; 2] {
+        let [left_q8, right_q8] = self.levels_off_q16().map(|off_q16| off_q16 >> 8);
+        [
+            self.residual_slope - left_q8 * (self.slope - self.slope_step) - right_q8 * self.slope_step,
+            self.residual_widening - left_q8 * (self.widening - self.widening_step) - right_q8 * self.widening_step,
+        ]
+    }
+
+    /// The row's own levels minus the expected ones.
+    fn levels_off_q16(&self) -> [i64; 2] {
+        let [left, right] = &self.plateaus;
+        [left, right].map(|plateau| (plateau.residual_q8 << 8) / plateau.pixels.max(1))
+    }
+}
+
+impl Plateau {
+    fn add(&mut self, residual_q8: i64) {
+        self.pixels += 1;
+        self.residual_q8 += residual_q8;
+    }
+}
+
+/// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
+/// half the way to it.
+fn view(column_q16: i64, reach_q16: i64, around: Neighbours) -> (i64, i64) {
+    // The longer the blur, the more a wrong level shifts the edge.
+    let far_q16 = 2 * reach_q16 + (PLATEAU << 16);
+    let left = (around.left_q16 + reach_q16).min((column_q16 + around.left_q16) / 2);
+    let right = (around.right_q16 - reach_q16).max((column_q16 + around.right_q16) / 2);
+    ((column_q16 - far_q16).max(left), (column_q16 + far_q16).min(right))
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -271,59 +388,19 @@ enum Side {
     Right,
 }
 
-/// Mean brightness beyond the blur on one side, in 1/256 grey level: up to where a neighbour's blur begins, or the pixel
-/// half way to it where the two blurs meet.
-fn plateau(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<u16> {
+/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
+fn plateau(pixels: &[u8], column_q16: i32, reach_q8: i64, side: Side, around: Neighbours) -> Option<u32> {
     let column = i64::from(column_q16);
-    // 2.5 sigma of a lens, but a path of motion ends after 1.73.
-    let blur = i64::from(blur_q8);
-    let clear_q16 = ((5 * blur / 2).min(7 * blur / 4 + 448) + 128) << 8;
-    // The longer the blur, the more a wrong level shifts the edge.
-    let length_q16 = (i64::from(PLATEAU) << 16) + (i64::from(blur_q8) << 9);
-    let (near, far, half_way) = match side {
-        Side::Left => {
-            let near = column - clear_q16;
-            (near, (near - length_q16).max(around.left_q16 + clear_q16), (column + around.left_q16) / 2)
-        }
-        Side::Right => {
-            let near = column + clear_q16;
-            (near, (near + length_q16).min(around.right_q16 - clear_q16), (column + around.right_q16) / 2)
-        }
+    let reach_q16 = reach_q8 << 8;
+    let (left, right) = view(column, reach_q16, around);
+    let (from, to) = match side {
+        Side::Left => (left, (column - reach_q16).max(left)),
+        Side::Right => ((column + reach_q16).min(right), right),
     };
-    let room = if side == Side::Left { near >= far } else { near <= far };
-    let (from, to) = if room { (near.min(far), near.max(far)) } else { (half_way, half_way) };
     let from = ((from + (1 << 15)) >> 16).max(0);
     let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
     let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
+    // Fewer than 256 pixels: the sum fits 16 bits.
     let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
-    u16::try_from((sum << 8).checked_div(window.len() as u32)?).ok()
+    (sum << 16).checked_div(window.len() as u32)
 }
-
-/// Density and cumulative normal distribution at z (1/256), in 1/32768.
-fn normal(z_q8: i64) -> (i64, i64) {
-    let size = z_q8.unsigned_abs();
-    let (index, part) = ((size >> 4) as usize, (size & 15) as i64);
-    let between = |table: &[u16; 66], beyond: i64| match (table.get(index), table.get(index + 1)) {
-        (Some(a), Some(b)) => (i64::from(*a) * (16 - part) + i64::from(*b) * part) >> 4,
-        _ => beyond,
-    };
-    let cumulative = between(&CUMULATIVE_Q15, 1 << 15);
-    (between(&DENSITY_Q15, 0), if z_q8 < 0 { (1 << 15) - cumulative } else { cumulative })
-}
-
-/// Density of the normal distribution at k/16, in 1/32768.
-const DENSITY_Q15: [u16; 66] = [
-    13_073, 13_047, 12_971, 12_845, 12_670, 12_450, 12_185, 11_879, 11_536, 11_160, 10_753, 10_321, 9868, 9397, 8915,
-    8424, 7929, 7434, 6943, 6459, 5985, 5524, 5079, 4652, 4244, 3857, 3491, 3148, 2827, 2529, 2254, 2001, 1769, 1558,
-    1367, 1195, 1040, 902, 779, 670, 574, 490, 417, 353, 298, 250, 210, 175, 145, 120, 99, 81, 66, 54, 44, 36, 29, 23,
-    18, 15, 12, 9, 7, 6, 4, 3,
-];
-
-/// Cumulative normal distribution at k/16, in 1/32768.
-const CUMULATIVE_Q15: [u16; 66] = [
-    16_384, 17_201, 18_014, 18_821, 19_618, 20_404, 21_174, 21_926, 22_658, 23_367, 24_052, 24_711, 25_342, 25_944,
-    26_516, 27_058, 27_569, 28_049, 28_499, 28_917, 29_306, 29_666, 29_997, 30_301, 30_579, 30_832, 31_061, 31_269,
-    31_455, 31_623, 31_772, 31_905, 32_023, 32_126, 32_218, 32_298, 32_367, 32_428, 32_480, 32_526, 32_565, 32_598,
-    32_626, 32_650, 32_670, 32_687, 32_702, 32_714, 32_724, 32_732, 32_739, 32_744, 32_749, 32_753, 32_756, 32_758,
-    32_760, 32_762, 32_763, 32_764, 32_765, 32_766, 32_766, 32_767, 32_767, 32_767,
-];

@@ -1,0 +1,137 @@
+//! [`Template`]: the profile of a blurred edge, in integers.
+//!
+//! A lens and the pixel blur an edge as a Gauss does, and motion as a box does. Of the two boxes, pixel and motion, the
+//! wider one is taken as it is and the other one as a part of the Gauss: exact for no motion and for a long one.
+
+/// A step of height one after a box of width b and a Gauss of sigma s. One number, the standard deviation of the blur, decides
+/// about both: up to what a usual lens explains s grows, beyond it the box.
+#[derive(Clone, Copy)]
+pub(crate) struct Template {
+    pub(crate) box_q8: i64,
+    pub(crate) lens_q8: i64,
+    /// 1/s in 1/256 px, times 2²⁴; 1/b likewise.
+    per_lens_q24: i64,
+    per_box_q24: i64,
+    /// What makes the change with the width one per pixel, in 1/256 px.
+    pub(crate) per_widening_q8: i64,
+}
+
+/// The template at one place.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    /// The step itself, in 1/32768.
+    pub(crate) step: i64,
+    /// Its slope times b.
+    pub(crate) slope: i64,
+    /// Its change with the width, times [`Template::per_widening_q8`].
+    pub(crate) widening: i64,
+}
+
+/// One pixel.
+const PIXEL_Q8: i64 = 256;
+/// Variance of a pixel's box, in 1/65536 square pixel.
+const PIXEL_VARIANCE_Q16: i64 = 65536 / 12;
+/// Of a usual lens, 0.7 px; beyond, it is motion.
+const LENS_VARIANCE_Q16: i64 = 32113;
+const LEAST_LENS_Q8: i64 = 40;
+/// Sigmas of the Gauss beyond which the template is taken to be 0 or 1.
+const TAIL_SIGMAS: i64 = 3;
+/// Those beyond which a level can be told.
+const CLEAR_SIGMAS: i64 = 2;
+
+impl Template {
+    /// Of an edge whose blur has this standard deviation, the pixel's own included.
+    pub(crate) fn new(width_q8: u16) -> Self {
+        let width_q8 = i64::from(width_q8).max(1);
+        let variance_q16 = width_q8 * width_q8;
+        let of_motion_q16 = variance_q16 - LENS_VARIANCE_Q16 - PIXEL_VARIANCE_Q16;
+        let (box_q8, lens_variance_q16) = if of_motion_q16 > PIXEL_VARIANCE_Q16 {
+            (root(12 * of_motion_q16), LENS_VARIANCE_Q16 + PIXEL_VARIANCE_Q16)
+        } else {
+            (PIXEL_Q8, variance_q16 - PIXEL_VARIANCE_Q16)
+        };
+        let lens_q8 = root(lens_variance_q16).max(LEAST_LENS_Q8);
+        let of_box = box_q8 > PIXEL_Q8;
+        let per_widening_q8 = if of_box { box_q8 * box_q8 / (12 * width_q8) } else { lens_q8 * box_q8 / width_q8 };
+        let (per_lens_q24, per_box_q24) = ((1 << 24) / lens_q8, (1 << 24) / box_q8.max(1));
+        Self { box_q8, lens_q8, per_lens_q24, per_box_q24, per_widening_q8: per_widening_q8.max(1) }
+    }
+
+    /// Half the width of what is neither 0 nor 1, in 1/256 px.
+    const fn reach_q8(&self) -> i64 {
+        self.box_q8 / 2 + TAIL_SIGMAS * self.lens_q8
+    }
+
+    /// Where the plateaus begin that tell the levels: what the template still changes there is known.
+    pub(crate) const fn clear_q8(&self) -> i64 {
+        self.box_q8 / 2 + CLEAR_SIGMAS * self.lens_q8
+    }
+
+    /// `off_q8` from the middle of the step.
+    ///
+    /// With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b, and of J the part max(z, 0) is taken apart.
+    pub(crate) fn at(&self, off_q8: i64) -> Place {
+        if off_q8.abs() >= self.reach_q8() {
+            return Place { step: if off_q8 < 0 { 0 } else { 1 << 15 }, slope: 0, widening: 0 };
+        }
+        let (ahead_q8, behind_q8) = (off_q8 + self.box_q8 / 2, off_q8 + self.box_q8 / 2 - self.box_q8);
+        let ahead = Normal::at((ahead_q8 * self.per_lens_q24) >> 16);
+        let behind = Normal::at((behind_q8 * self.per_lens_q24) >> 16);
+        let ramp = ahead_q8.clamp(0, self.box_q8) << 15;
+        let step = ((ramp + self.lens_q8 * (ahead.rest - behind.rest)) * self.per_box_q24) >> 24;
+        let widening = if self.box_q8 > PIXEL_Q8 {
+            (ahead.below + behind.below) / 2 - step
+        } else {
+            ahead.density() - behind.density()
+        };
+        Place { step, slope: ahead.below - behind.below, widening }
+    }
+}
+
+fn root(square: i64) -> i64 {
+    (square.max(0) as u64).isqrt() as i64
+}
+
+/// Of the normal distribution, in 1/32768: Φ, and the integral of Φ beyond max(z, 0).
+struct Normal {
+    z_q8: i64,
+    below: i64,
+    rest: i64,
+}
+
+impl Normal {
+    fn at(z_q8: i64) -> Self {
+        let size = z_q8.unsigned_abs();
+        let (index, part) = ((size >> 4) as usize, (size & 15) as i64);
+        let (below, rest) = match (TABLE.get(index), TABLE.get(index + 1)) {
+            (Some(a), Some(b)) => {
+                let between = |a: u16, b: u16| (i64::from(a) * (16 - part) + i64::from(b) * part + 8) >> 4;
+                (between(a.0, b.0), between(a.1, b.1))
+            }
+            _ => (1 << 15, 0),
+        };
+        Self { z_q8, below: if z_q8 < 0 { (1 << 15) - below } else { below }, rest }
+    }
+
+    /// φ(z) = rest + |z| Φ(−|z|).
+    fn density(&self) -> i64 {
+        let beyond = if self.z_q8 < 0 { self.below } else { (1 << 15) - self.below };
+        self.rest + ((self.z_q8.abs() * beyond) >> 8)
+    }
+}
+
+/// Φ(z) and φ(z) − z Φ(−z) at z = k/16, in 1/32768.
+#[rustfmt::skip]
+const TABLE: [(u16, u16); 66] = [
+    (16384, 13073), (17201, 12074), (18014, 11127), (18821, 10230), (19618, 9383), (20404, 8586),
+    (21174, 7837), (21926, 7136), (22658, 6481), (23367, 5872), (24052, 5306), (24711, 4782),
+    (25342, 4298), (25944, 3853), (26516, 3444), (27058, 3071), (27569, 2730), (28049, 2420),
+    (28499, 2140), (28917, 1886), (29306, 1658), (29666, 1453), (29997, 1269), (30301, 1106),
+    (30579, 960), (30832, 832), (31061, 718), (31269, 618), (31455, 530), (31623, 453),
+    (31772, 386), (31905, 328), (32023, 278), (32126, 235), (32218, 198), (32298, 166),
+    (32367, 139), (32428, 116), (32480, 96), (32526, 80), (32565, 66), (32598, 54),
+    (32626, 44), (32650, 36), (32670, 29), (32687, 24), (32702, 19), (32714, 16),
+    (32724, 13), (32732, 10), (32739, 8), (32744, 6), (32749, 5), (32753, 4),
+    (32756, 3), (32758, 2), (32760, 2), (32762, 1), (32763, 1), (32764, 1),
+    (32765, 1), (32766, 1), (32766, 0), (32767, 0), (32767, 0), (32768, 0),
+];
