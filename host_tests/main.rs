@@ -2,6 +2,7 @@
 
 mod back_ends;
 mod bad_input;
+mod blur;
 mod camera;
 mod endpoints;
 mod frames;
