@@ -133,4 +133,4 @@ impl<S: Scalar> BlurWitness<S> {
 }
 
 /// What the shape of the profile may cost of its variance, as one sigma in percent.
-const SHAPE_PERCENT: i32 = 4;
+const SHAPE_PERCENT: i32 = 2;
