@@ -30,6 +30,8 @@ pub(crate) enum Command {
         file: PathBuf,
         #[command(flatten)]
         setup: SetupArgs,
+        #[command(flatten)]
+        course: CourseArgs,
     },
     /// Ranges from whole frames
     #[command(after_help = FRAME_HELP)]
@@ -46,13 +48,28 @@ pub(crate) struct SetupArgs {
     pub(crate) path: PathBuf,
 }
 
+/// How the camera moves from frame to frame.
+#[derive(Args)]
+pub(crate) struct CourseArgs {
+    /// The frames are one sequence: seconds from the start of one to the start of the next. The setup's motion is then
+    /// that at the start of the first frame, and goes on; without it, that of each frame
+    #[arg(long, value_name = "SECONDS", value_parser = interval)]
+    pub(crate) frame_interval_s: Option<f64>,
+    /// Replaces velocity and rotation rate of the setup: CSV with the header time_s,vx,vy,vz,wx,wy,wz and optionally
+    /// gx,gy,gz
+    #[arg(long, value_name = "FILE")]
+    pub(crate) trajectory: Option<PathBuf>,
+}
+
 #[derive(Args)]
 pub(crate) struct FrameArgs {
-    /// PNG, JPEG or PGM/PPM; frames are independent of each other
+    /// PNG, JPEG or PGM/PPM; frames are independent of each other unless --frame-interval-s says otherwise
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) setup: SetupArgs,
+    #[command(flatten)]
+    pub(crate) course: CourseArgs,
     /// Draw each edge with its distance and sigma over the frame; several frames give OUT-STEM.png, with the stem of each
     /// frame's name
     #[arg(long, value_name = "OUT.png", value_parser = png_path)]
@@ -115,7 +132,7 @@ Columns:
   row, column   pixels; pixel centres are at whole numbers, rows counted from the top of the image
   time_s        middle of the row's exposure since frame start; default: from row and readout
   line          a whole number that says which edges belong together; without it a tracker sorts them out
-  frame         a whole number; frames are independent of each other
+  frame         a whole number; frames are independent of each other, or start at so many --frame-interval-s
   polarity      rising (dark to bright from left to right) or falling
   sigma_px      noise of the column, one standard deviation; default: camera.sigma_column_px of the setup
 
@@ -136,18 +153,26 @@ Frames must be as the sensor read them: of the setup's size, neither cropped, sc
 JPEG is not applied). Colour becomes grey by its luma, 16 bits become 8. A file that cannot be read is told on standard
 error, the others are ranged all the same, and the exit code is 1.
 
+Trajectory: each line has the velocity (m/s) and rotation rate (rad/s) of one instant in the axes that the camera has then,
+and time_s since the start of the first frame: the middle of the exposure of the row read first. gx,gy,gz is the direction
+of down, also in those axes; without it, that of the setup's [attitude] is carried on from the first frame. Between the
+lines values change linearly; they are held and bridged over three times the usual interval of the lines, not more.
+Uncertainties stay those of the setup, whose [motion] may lack the velocity.
+
 Overlay: green is an edge with its depth and one sigma, blue one that is farther than the distance beside it. Thin lines
 have no distance: orange is inconsistent or bent, grey is short or slow.
 
 Examples:
   shutter-range frame frame.png --setup camera.toml --overlay seen.png
   shutter-range frame *.jpg --setup camera.toml --overlay seen.png   # seen-0001.png, seen-0002.png, ...
+  shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --trajectory drive.csv
   shutter-range frame dump.bin --raw 320x240 --setup camera.toml --json";
 
 const SIMULATE_HELP: &str = "\
 The camera is that of the setup, a pinhole without distortion, with its exposure_s (default 2 ms) and lens_blur_px (default
 0.7); it moves on with the setup's motion from frame to frame. truth.json says where the edges of each frame are, and the
-camera's motion in the axes of that frame's start: where the camera turns, the copied setup is right for the first frame only.
+camera's motion in the axes of that frame's start: where the camera turns, the copied setup is right for the first frame
+only, and for all of them with --frame-interval-s.
 
 A scene:
   [background]
@@ -172,4 +197,4 @@ A scene:
 
 Example:
   shutter-range simulate --setup camera.toml --out simulated --frames 10
-  shutter-range frame simulated/frame-*.png --setup simulated/setup.toml";
+  shutter-range frame simulated/frame-*.png --setup simulated/setup.toml --frame-interval-s 0.0333333333";

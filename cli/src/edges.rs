@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use anyhow::{Context, Result, bail};
-use shutter_range::{Line, Range};
+use anyhow::{Context, Error, Result, bail};
+use shutter_range::{Line, Range, Setup};
 
+use crate::arguments::CourseArgs;
+use crate::course::{CameraMotion, Course};
 use crate::edge_file::{self, EdgeRow};
 use crate::report::{Document, Frame};
 use crate::setup::SetupFile;
@@ -15,10 +17,13 @@ use crate::tracking;
 /// Knots of a line whose edges are known to belong together: memory is no concern here.
 pub(crate) const KNOTS: usize = 64;
 
-pub(crate) fn ranges(path: &Path, setup: &SetupFile) -> Result<Document> {
+pub(crate) fn ranges(path: &Path, setup: &SetupFile, course: &CourseArgs) -> Result<Document> {
     let name = path.display().to_string();
     let text = read(path).with_context(|| format!("reading {name}"))?;
-    let frames = frames(&name, &text, setup).with_context(|| name.clone())?;
+    let groups = by_frame(&text, setup).with_context(|| name.clone())?;
+    course.refuse_frames(groups.len()).map_err(Error::msg)?;
+    let course = Course::new(course, setup)?;
+    let frames = frames(&name, groups, setup, course).with_context(|| name.clone())?;
     Ok(Document { frames })
 }
 
@@ -31,9 +36,11 @@ fn read(path: &Path) -> Result<String> {
     Ok(text)
 }
 
-fn frames(name: &str, text: &str, setup: &SetupFile) -> Result<Vec<Frame>> {
+type Frames = BTreeMap<Option<i64>, Vec<EdgeRow>>;
+
+fn by_frame(text: &str, setup: &SetupFile) -> Result<Frames> {
     let file = edge_file::parse(text, setup)?;
-    let mut groups: BTreeMap<Option<i64>, Vec<EdgeRow>> = BTreeMap::new();
+    let mut groups = Frames::new();
     if !file.has_frames {
         // Nothing found in the only frame is a result, too.
         groups.insert(None, Vec::new());
@@ -41,15 +48,24 @@ fn frames(name: &str, text: &str, setup: &SetupFile) -> Result<Vec<Frame>> {
     for row in file.rows {
         groups.entry(row.frame).or_default().push(row);
     }
-    let named = |number| match number {
-        Some(number) => format!("{name}#{number}"),
-        None => name.to_string(),
-    };
-    groups.into_iter().map(|(number, rows)| frame(named(number), rows, setup)).collect()
+    Ok(groups)
+}
+
+/// Edges that name no frame are of frame 0.
+fn frames(name: &str, groups: Frames, setup: &SetupFile, mut course: Course) -> Result<Vec<Frame>> {
+    let number = |frame: &Option<i64>| frame.unwrap_or(0);
+    let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(number(frame))).chain([None]).collect();
+    let mut frames = Vec::new();
+    for ((key, rows), next) in groups.into_iter().zip(nexts) {
+        let motion = course.motion(number(&key), next)?;
+        let named = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
+        frames.push(frame(named, rows, &setup.setup, &motion)?);
+    }
+    Ok(frames)
 }
 
 /// Edges that name their line make one; the tracker sorts out the others.
-fn frame(name: String, rows: Vec<EdgeRow>, setup: &SetupFile) -> Result<Frame> {
+fn frame(name: String, rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Frame> {
     let mut lines: BTreeMap<i64, Vec<EdgeRow>> = BTreeMap::new();
     let mut unassigned = Vec::new();
     for row in rows {
@@ -58,16 +74,16 @@ fn frame(name: String, rows: Vec<EdgeRow>, setup: &SetupFile) -> Result<Frame> {
             None => unassigned.push(row),
         }
     }
-    let tracked = tracking::track(unassigned, setup)?;
+    let tracked = tracking::track(unassigned, setup, motion)?;
     let mut ranges = tracked.ranges;
     for (number, rows) in lines {
-        ranges.push(range_of(number, rows, setup)?);
+        ranges.push(range_of(number, rows, setup, motion)?);
     }
     Ok(Frame::new(name, &mut ranges, tracked.counters))
 }
 
-fn range_of(number: i64, mut rows: Vec<EdgeRow>, setup: &SetupFile) -> Result<Range<f64>> {
-    let readout = setup.setup.readout();
+fn range_of(number: i64, mut rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Range<f64>> {
+    let readout = setup.readout();
     rows.sort_by_key(|row| readout.rows_before(row.edge.row));
     refuse_twin_rows(number, &rows)?;
     let Some((first, others)) = rows.split_first() else { bail!("line {number} has no edges") };
@@ -77,7 +93,7 @@ fn range_of(number: i64, mut rows: Vec<EdgeRow>, setup: &SetupFile) -> Result<Ra
             bail!("line {}: {}", row.at, backwards(row, line.last().row));
         }
     }
-    Ok(Range::of_line(&setup.setup, &setup.motion, &line))
+    Ok(Range::of_line(setup, motion, &line))
 }
 
 fn refuse_twin_rows(number: i64, rows: &[EdgeRow]) -> Result<()> {

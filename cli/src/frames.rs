@@ -1,12 +1,13 @@
-//! Command `frame`: ranges from whole frames, each on its own.
+//! Command `frame`: ranges from whole frames.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use image::GrayImage;
-use shutter_range::Ranger;
+use shutter_range::{Ranger, Setup};
 
 use crate::arguments::FrameArgs;
+use crate::course::{CameraMotion, Course};
 use crate::edges::KNOTS;
 use crate::report::{Document, Frame};
 use crate::setup::SetupFile;
@@ -28,11 +29,15 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         let camera = "(`camera.columns` × `camera.rows` of the setup)";
         anyhow::ensure!(raw == size, "--raw says {raw} pixels, but must say {size} {camera}");
     }
+    let mut course = Course::new(&arguments.course, setup)?;
     let bar = progress::bar(arguments.files.len() as u64);
     let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
-    for (index, file) in arguments.files.iter().enumerate() {
-        let mut job = Job { setup, size, raw: arguments.raw.is_some(), frames: &mut outcome.document.frames };
-        if let Err(error) = job.range(file, overlays.get(index)) {
+    for (number, (index, file)) in (0..).zip(arguments.files.iter().enumerate()) {
+        let next = (index + 1 < arguments.files.len()).then_some(number + 1);
+        let frames = &mut outcome.document.frames;
+        let mut job = Job { setup, size, raw: arguments.raw.is_some(), frames };
+        let motion = course.motion(number, next).with_context(|| file.display().to_string());
+        if let Err(error) = motion.and_then(|motion| job.range(file, &motion, overlays.get(index))) {
             bar.suspend(|| output::error(&error));
             outcome.failures += 1;
         }
@@ -51,10 +56,10 @@ struct Job<'a> {
 
 impl Job<'_> {
     /// What was found in a frame counts even if its overlay cannot be written.
-    fn range(&mut self, file: &Path, overlay: Option<&PathBuf>) -> Result<()> {
+    fn range(&mut self, file: &Path, motion: &CameraMotion<'_>, overlay: Option<&PathBuf>) -> Result<()> {
         let picture = picture::load(file, self.size, self.raw)?;
         let name = file.display().to_string();
-        let frame = range(name.clone(), &picture.to_luma8(), self.setup).context(name)?;
+        let frame = range(name.clone(), &picture.to_luma8(), &self.setup.setup, motion).context(name)?;
         let drawn = overlay.map(|path| overlay::write(path, picture.into_rgb8(), &frame.ranges));
         self.frames.push(frame);
         drawn.unwrap_or(Ok(()))
@@ -62,8 +67,7 @@ impl Job<'_> {
 }
 
 /// A new ranger for each frame, so that no frame depends on those before it.
-fn range(name: String, pixels: &GrayImage, file: &SetupFile) -> Result<Frame> {
-    let (setup, motion) = (&file.setup, &file.motion);
+fn range(name: String, pixels: &GrayImage, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Frame> {
     let mut ranger = Box::new(LargeRanger::new());
     let mut ranges = Vec::new();
     let columns = usize::from(setup.camera().intrinsics().columns);

@@ -7,7 +7,10 @@ mod nearest;
 mod keys;
 mod size;
 mod setup;
+mod table_file;
 mod edge_file;
+mod trajectory_file;
+mod course;
 mod picture;
 mod scene_file;
 
@@ -52,9 +55,9 @@ fn run(cli: &Cli) -> Result<ExitCode> {
             let summary = table2::summary()?;
             if cli.json { output::json(&summary)? } else { table2::text(&summary, colours) }
         }
-        Command::Edges { file, setup } => {
-            let setup = setup::load(&setup.path)?;
-            let document = edges::ranges(file, &setup)?;
+        Command::Edges { file, setup, course } => {
+            let setup = course.load_setup(&setup.path)?;
+            let document = edges::ranges(file, &setup, course)?;
             if cli.json { output::json(&document)? } else { range_table::text(&document, colours) }
         }
         Command::Frame(arguments) => return frame(arguments, cli.json),
@@ -70,7 +73,9 @@ fn run(cli: &Cli) -> Result<ExitCode> {
 fn frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     let overlays = overlay::paths(&arguments.files, arguments.overlay.as_deref());
     let overlays = overlays.unwrap_or_else(|message| arguments::refuse(&message));
-    let setup = setup::load(&arguments.setup.path)?;
+    let of_course = arguments.course.refuse_frames(arguments.files.len());
+    of_course.unwrap_or_else(|message| arguments::refuse(&message));
+    let setup = arguments.course.load_setup(&arguments.setup.path)?;
     let frames::Outcome { document, failures } = frames::ranges(arguments, &overlays, &setup)?;
     // Where nothing was read there is nothing to tell.
     if !document.frames.is_empty() {

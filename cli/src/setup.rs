@@ -45,15 +45,25 @@ const RELATIVE: Bounds = Bounds::number(0.0, 1.0, "relative, one standard deviat
 const DEGREES: Bounds = Bounds::number(0.0, 45.0, "degrees, one standard deviation");
 const FOCAL_PX: Bounds = Bounds::number(1.0, 1e6, "focal length in pixels");
 const PIXELS: Bounds = Bounds::finite("pixels");
-const SPEED: Bounds = Bounds::number(-10_000.0, 10_000.0, "m/s");
-const RATE: Bounds = Bounds::number(-1_000.0, 1_000.0, "rad/s");
+pub(crate) const SPEED: Bounds = Bounds::number(-10_000.0, 10_000.0, "m/s");
+pub(crate) const RATE: Bounds = Bounds::number(-1_000.0, 1_000.0, "rad/s");
+pub(crate) const DIRECTION: Bounds = Bounds::number(-1000.0, 1000.0, "only its direction counts");
 
 pub(crate) fn load(path: &Path) -> Result<SetupFile> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    parse(&text).with_context(|| path.display().to_string())
+    load_with(path, None)
 }
 
-fn parse(text: &str) -> Result<SetupFile> {
+/// For use with a trajectory, which replaces the velocity: the file may leave it out.
+pub(crate) fn load_without_velocity(path: &Path) -> Result<SetupFile> {
+    load_with(path, Some([0.0; 3]))
+}
+
+fn load_with(path: &Path, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    parse(&text, default_velocity_m_s).with_context(|| path.display().to_string())
+}
+
+fn parse(text: &str, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
     let text = text.trim_start_matches('\u{feff}');
     let file: Table = toml::from_str(text).map_err(|error| syntax(text, &error))?;
     refuse_unknown(&file)?;
@@ -65,7 +75,7 @@ fn parse(text: &str) -> Result<SetupFile> {
         Setup::new(lens(&camera)?, readout(&camera)?, uncertainty(&camera, &motion, &attitude)?, Limits::DEFAULT);
     Ok(SetupFile {
         setup: with_optics(setup.map_err(dotted)?, &optics)?,
-        motion: twist(&motion, &attitude)?,
+        motion: twist(&motion, &attitude, default_velocity_m_s)?,
         sigma_column_px: camera.number("sigma_column_px", SIGMA_PX)?.unwrap_or(0.1),
         optics,
     })
@@ -175,13 +185,12 @@ fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_
     })
 }
 
-fn twist(motion: &Section<'_>, attitude: &Section<'_>) -> Result<Twist<f64>> {
+fn twist(motion: &Section<'_>, attitude: &Section<'_>, default_velocity_m_s: Option<[f64; 3]>) -> Result<Twist<f64>> {
     let velocity = "x right, y down, z forward (m/s)";
-    let velocity_m_s = motion.numbers("velocity_m_s", SPEED, velocity)?;
+    let velocity_m_s = motion.numbers("velocity_m_s", SPEED, velocity)?.or(default_velocity_m_s);
     let velocity_m_s =
         velocity_m_s.ok_or_else(|| motion.refuse("velocity_m_s", format_args!("3 numbers: {velocity}")))?;
     let rate_rad_s = motion.numbers("rate_rad_s", RATE, "about x, y, z (rad/s)")?.unwrap_or([0.0; 3]);
-    let component = Bounds::number(-1000.0, 1000.0, "only its direction counts");
-    let gravity = attitude.numbers("gravity", component, "the direction of down in x, y, z")?;
+    let gravity = attitude.numbers("gravity", DIRECTION, "the direction of down in x, y, z")?;
     Twist::new(velocity_m_s, rate_rad_s, gravity.unwrap_or([0.0, 1.0, 0.0])).map_err(dotted)
 }

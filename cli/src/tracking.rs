@@ -5,9 +5,9 @@ use std::collections::HashSet;
 use anyhow::{Error, Result, anyhow};
 use shutter_range::{Counters, EdgeError, Limits, Range, Ranger, Readout, ReadoutDirection, Setup};
 
+use crate::course::CameraMotion;
 use crate::edge_file::EdgeRow;
 use crate::edges::{KNOTS, backwards};
-use crate::setup::SetupFile;
 
 /// Room for more edges than any row or frame of a scene has.
 type LargeRanger = Ranger<256, KNOTS, 4096>;
@@ -19,11 +19,11 @@ pub(crate) struct Tracked {
 }
 
 /// The lines of one frame.
-pub(crate) fn track(mut rows: Vec<EdgeRow>, file: &SetupFile) -> Result<Tracked> {
+pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Tracked> {
     if rows.is_empty() {
         return Ok(Tracked::default());
     }
-    let setup = patient(&file.setup, &rows)?;
+    let setup = patient(setup, &rows)?;
     let readout = setup.readout();
     rows.sort_by_key(|row| (readout.rows_before(row.edge.row), row.edge.column_q16));
     let step = usual_step(&rows, readout);
@@ -39,11 +39,11 @@ pub(crate) fn track(mut rows: Vec<EdgeRow>, file: &SetupFile) -> Result<Tracked>
             let taken = ranger.edge(&setup, row.edge);
             taken.map_err(|error| refused(row, previous, error))?;
         }
-        ranges.append(&mut ranger.ranges(&setup, &file.motion));
+        ranges.append(&mut ranger.ranges(&setup, motion));
         previous = Some(first.edge.row);
     }
     ranger.end_frame(&setup);
-    ranges.append(&mut ranger.ranges(&setup, &file.motion));
+    ranges.append(&mut ranger.ranges(&setup, motion));
     Ok(Tracked { ranges, counters: *ranger.counters() })
 }
 

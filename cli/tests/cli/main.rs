@@ -1,5 +1,6 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
+mod courses;
 mod edges;
 mod frames;
 mod overlays;

@@ -1,0 +1,280 @@
+//! `--frame-interval-s` and `--trajectory`: sequences, and motions that change.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use crate::tool::{Folder, Outcome, SETUP, assert_near, column, number};
+
+const HEADER: &str = "time_s,vx,vy,vz,wx,wy,wz";
+
+/// [`SETUP`] without its motion.
+fn setup_without_motion() -> String {
+    SETUP.replace("[motion]\nvelocity_m_s = [-1.5, 0, 0]\n", "")
+}
+
+/// A trajectory of constant values, every 10 ms from -0.1 s on.
+fn constant(samples: u32, values: &str) -> String {
+    let line = |k| format!("{:.3},{values}\n", f64::from(k) * 0.01 - 0.1);
+    (0..samples).map(line).collect()
+}
+
+/// One edge at bearing 0.1 on every tenth row.
+fn one_line(depth_m: f64, rest: &str) -> String {
+    (0..480).step_by(10).map(|row| format!("{row},{:.5}{rest}\n", column(0.1, depth_m, row))).collect()
+}
+
+fn edges(setup: &str, edges: &str, trajectory: &str, rest: &[&str]) -> Outcome {
+    let folder = Folder::of(setup, edges).with("drive.csv", trajectory);
+    let arguments = ["edges", "edges.csv", "--setup", "setup.toml", "--json", "--trajectory", "drive.csv"];
+    folder.run(&[&arguments[..], rest].concat())
+}
+
+fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+    value[key].as_array().unwrap_or_else(|| panic!("{key} is no list: {value}"))
+}
+
+/// All of the truth's edges are found with their depths.
+#[track_caller]
+fn assert_found(truth: &Value, found: &Value) {
+    for (truth, found) in list(truth, "frames").iter().zip(list(found, "frames")) {
+        let (edges, ranges) = (list(truth, "edges"), list(found, "ranges"));
+        assert_eq!(edges.len(), ranges.len(), "{found}");
+        for (edge, range) in edges.iter().zip(ranges) {
+            assert_eq!(range["status"], "ok", "{range}");
+            assert_near(number(range, "bearing"), number(edge, "bearing"), 3e-4);
+            let (rho, sigma) = (number(range, "inverse_depth_per_m"), number(range, "sigma_inverse_depth_per_m"));
+            assert_near(rho, number(edge, "inverse_depth_per_m"), 5.0 * sigma);
+            assert!(sigma < 0.02 * rho, "{range}");
+        }
+    }
+}
+
+const SCENE: &str = "\
+[background]
+level = 200
+[[bar]]
+bearing = -0.2
+depth_m = 2.0
+width_m = 0.1
+level = 40
+[[bar]]
+bearing = 0.25
+depth_m = 3.0
+width_m = 0.2
+level = 60
+";
+
+/// Turning right and rolling; three frames.
+const RATE: [f64; 3] = [0.0, 0.3, 0.4];
+
+fn turning_frames() -> (Folder, Value) {
+    let setup = SETUP.replace("[motion]", &format!("[motion]\nrate_rad_s = {RATE:?}"));
+    let folder = Folder::new().with("setup.toml", setup).with("scene.toml", SCENE);
+    let arguments = ["simulate", "--setup", "setup.toml", "--scene", "scene.toml", "--out", "out", "--frames", "3"];
+    let truth = folder.run(&[&arguments[..], &["--frame-interval-s", "0.1", "--json"]].concat()).json();
+    (folder, truth)
+}
+
+fn frames(folder: &Folder, rest: &[&str]) -> Outcome {
+    let files = ["out/frame-0000.png", "out/frame-0001.png", "out/frame-0002.png"];
+    folder.run(&[&["frame", "--json"], &files[..], rest].concat())
+}
+
+/// A velocity that keeps its direction in space, in the axes of the turning camera.
+fn turned(velocity: [f64; 3], time_s: f64) -> [f64; 3] {
+    let rate = RATE.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+    let [x, y, z] = RATE.map(|component| component / rate);
+    let (s, c) = (-rate * time_s).sin_cos();
+    let [vx, vy, vz] = velocity;
+    let along = (x * vx + y * vy + z * vz) * (1.0 - c);
+    [
+        vx * c + (y * vz - z * vy) * s + x * along,
+        vy * c + (z * vx - x * vz) * s + y * along,
+        vz * c + (x * vy - y * vx) * s + z * along,
+    ]
+}
+
+/// The simulated motion, so many times a second.
+fn turning_drive(hertz: u32, with_gravity: bool) -> String {
+    let mut text = format!("{HEADER}{}\n", if with_gravity { ",gx,gy,gz" } else { "" });
+    for k in 0..=hertz * 24 / 100 {
+        let time_s = f64::from(k) / f64::from(hertz);
+        let ([vx, vy, vz], [wx, wy, wz]) = (turned([-1.5, 0.0, 0.0], time_s), RATE);
+        let _ = write!(text, "{time_s},{vx},{vy},{vz},{wx},{wy},{wz}");
+        if with_gravity {
+            let [gx, gy, gz] = turned([0.0, 9.81, 0.0], time_s);
+            let _ = write!(text, ",{gx},{gy},{gz}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+#[test]
+fn a_sequence_goes_on_as_it_was_simulated() {
+    let (folder, truth) = turning_frames();
+    let sequence = frames(&folder, &["--setup", "setup.toml", "--frame-interval-s", "0.1"]).json();
+    assert_found(&truth, &sequence);
+    // On its own, each frame starts with the setup's motion, which is that of the first one.
+    let apart = frames(&folder, &["--setup", "setup.toml"]).json();
+    assert_eq!(apart["frames"][0], sequence["frames"][0]);
+    for (alone, range) in list(&apart["frames"][2], "ranges").iter().zip(list(&sequence["frames"][2], "ranges")) {
+        assert!(number(alone, "depth_m") < 0.5 * number(range, "depth_m"), "{alone}");
+    }
+}
+
+#[test]
+fn a_trajectory_of_the_same_motion() {
+    let (folder, truth) = turning_frames();
+    let mut folder = folder.with("bare.toml", setup_without_motion());
+    for (hertz, with_gravity) in [(50, false), (200, true), (1000, false), (20_000, true)] {
+        folder = folder.with("drive.csv", turning_drive(hertz, with_gravity));
+        let arguments = ["--setup", "bare.toml", "--frame-interval-s", "0.1", "--trajectory", "drive.csv"];
+        assert_found(&truth, &frames(&folder, &arguments).json());
+    }
+}
+
+#[test]
+fn a_constant_trajectory_is_the_setups_motion() {
+    let text = format!("row,column\n{}", one_line(2.0, ""));
+    let expected = Folder::of(SETUP, &text).ranges().remove(0);
+    for setup in [SETUP.to_string(), setup_without_motion(), SETUP.replace("-1.5", "7")] {
+        let drive = format!("{HEADER}\n{}", constant(30, "-1.5,0,0,0,0,0"));
+        let document = edges(&setup, &text, &drive, &[]).json();
+        let range = &document["frames"][0]["ranges"][0];
+        for key in ["inverse_depth_per_m", "sigma_inverse_depth_per_m", "bearing"] {
+            assert_near(number(range, key), number(&expected, key), 1e-9);
+        }
+    }
+    let uncertain = setup_without_motion().replace("[attitude]", "[motion]\nsigma_speed = 0.1\n[attitude]");
+    let drive = format!("{HEADER}\n{}", constant(30, "-1.5,0,0,0,0,0"));
+    let document = edges(&uncertain, &text, &drive, &[]).json();
+    let range = &document["frames"][0]["ranges"][0];
+    let sigma = number(range, "sigma_inverse_depth_per_m") / number(range, "inverse_depth_per_m");
+    assert_near(sigma, 0.1, 0.001);
+}
+
+/// The faster, the farther: edges that look alike, in frames at which the camera has another speed.
+#[test]
+fn frames_of_edges_have_their_numbers() {
+    let text = format!("row,column,frame\n{}{}{}", one_line(2.0, ",0"), one_line(2.0, ",2"), one_line(2.0, ",10"));
+    let mut drive = format!("{HEADER}\n");
+    for k in 0..60 {
+        let speed = if k < 15 { 1.5 } else { 3.0 };
+        let _ = writeln!(drive, "{},{},0,0,0,0,0", f64::from(k) * 0.02, -speed);
+    }
+    let document = edges(SETUP, &text, &drive, &["--frame-interval-s", "0.1"]).json();
+    let depth = |index: usize| number(&document["frames"][index]["ranges"][0], "depth_m");
+    for (index, depth_m) in [2.0, 2.0, 4.0].into_iter().enumerate() {
+        assert_near(depth(index), depth_m, 0.01);
+    }
+}
+
+#[test]
+fn gravity_is_carried_on_from_the_first_frame() {
+    // The camera has rolled by 0.2 rad when the frame starts at 0.4 s; its edges are upright in space.
+    let lean = |sign: f64| {
+        let lines = (0..480).step_by(10).map(|row| {
+            let off = sign * 0.2_f64.tan() * (f64::from(row) - 239.5);
+            format!("{row},{:.5},4\n", 319.5 + off + 600.0 * 1.5 / 2.0 * f64::from(row) * 0.0333 / 480.0)
+        });
+        format!("row,column,frame\n{}", lines.collect::<String>())
+    };
+    let setup = SETUP.replace("sigma_tilt_deg = 0", "sigma_tilt_deg = 0\ngravity = [0, 1, 0]");
+    let mut drive = format!("{HEADER}\n");
+    for k in 0..60 {
+        let _ = writeln!(drive, "{},-1.5,0,0,0,0,{}", f64::from(k) * 0.01, if k < 40 { 0.5 } else { 0.0 });
+    }
+    let range = |text: &str| {
+        let document = edges(&setup, text, &drive, &["--frame-interval-s", "0.1"]).json();
+        document["frames"][0]["ranges"][0].clone()
+    };
+    // Rolled clockwise, the camera sees what is upright lean to the right at its lower end.
+    assert_eq!(range(&lean(1.0))["status"], "ok");
+    assert_ne!(range(&lean(-1.0))["status"], "ok");
+}
+
+#[track_caller]
+fn refuse(trajectory: &str, message: &str) {
+    let text = format!("row,column\n{}", one_line(2.0, ""));
+    let outcome = edges(SETUP, &text, trajectory, &[]);
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (1, ""));
+    assert_eq!(outcome.stderr, format!("error: {message}\n"));
+}
+
+#[test]
+fn trajectories_that_are_none() {
+    let file = |message: &str| format!("drive.csv: {message}");
+    refuse("", &file(&format!("the file is empty: it must begin with a header such as `{HEADER}`")));
+    let names = "`time_s`, `vx`, `vy`, `vz`, `wx`, `wy` and `wz`";
+    let missing = format!("line 1: column `wz` is missing: the header must name {names}");
+    refuse("time_s,vx,vy,vz,wx,wy\n", &file(&missing));
+    refuse("time,vx,vy,vz,wx,wy,wz\n", &file("line 1: unknown column `time`; the nearest is `time_s`"));
+    refuse(&format!("{HEADER},gy\n"), &file("the header must name all of `gx`, `gy` and `gz`, or none"));
+    let body = |lines: &str| format!("{HEADER}\n{lines}");
+    refuse(&body("0,1,0,0,0,0,0\n"), &file("1 samples, but there must be at least 2"));
+    let fast = "line 3: `vy` is `1e9`, but must be a number from -10000 to 10000 (m/s)";
+    refuse(&body("0,1,0,0,0,0,0\n1,0,1e9,0,0,0,0\n"), &file(fast));
+    let spinning = "line 2: `wx` is `nan`, but must be a number from -1000 to 1000 (rad/s)";
+    refuse(&body("0,1,0,0,nan,0,0\n"), &file(spinning));
+    refuse(&body("0,1,0,0,,0,0\n"), &file("line 2: `wx` is empty, but must be a number from -1000 to 1000 (rad/s)"));
+    let order = "line 4: `time_s` is `0.5`, but must be above 0.5, that of the line before";
+    refuse(&body("0,1,0,0,0,0,0\n0.5,1,0,0,0,0,0\n0.5,1,0,0,0,0,0\n"), &file(order));
+    let epoch = "line 2: `time_s` is `1.7e9`, but must be a number from -1000000 to 1000000 (seconds since the start of \
+                 the first frame)";
+    refuse(&body("1.7e9,1,0,0,0,0,0\n"), &file(epoch));
+    let weightless = "line 2: `gx`, `gy`, `gz` are 0 long, but must be a direction: 0.001 at least";
+    refuse(&format!("{HEADER},gx,gy,gz\n0,1,0,0,0,0,0,0,0,0\n"), &file(weightless));
+}
+
+#[test]
+fn trajectories_that_do_not_reach() {
+    let gap = |at_s: &str, gap_s: &str, trusted_s: &str| {
+        format!(
+            "edges.csv: frame start at 0 s: the trajectory has no velocity at {at_s} s: a gap of {gap_s} s, but at most \
+             {trusted_s} s are trusted, 3 times the usual interval of its samples"
+        )
+    };
+    // The last row is read 479 line times after the first.
+    let short = format!("{HEADER}\n{}", "-0.002,1,0,0,0,0,0\n0,1,0,0,0,0,0\n0.002,1,0,0,0,0,0\n");
+    refuse(&short, &gap("0.033230625", "0.031230625", "0.006"));
+    let late = format!("{HEADER}\n{}", "1,1,0,0,0,0,0\n1.1,1,0,0,0,0,0\n");
+    refuse(&late, &gap("0", "1", "0.3"));
+    let holed: String =
+        [-3, -2, -1, 0, 1, 8, 9, 10, 11, 12].map(|k| format!("{},1,0,0,0,0,0\n", f64::from(k) / 250.0)).concat();
+    refuse(&format!("{HEADER}\n{holed}"), &gap("0.004", "0.028", "0.012"));
+
+    let (folder, _) = turning_frames();
+    let drive: Vec<_> = turning_drive(100, false).lines().take(16).map(str::to_string).collect();
+    let folder = folder.with("drive.csv", drive.join("\n"));
+    // The first frame is covered up to the start of the second, the second is not.
+    let arguments = ["--setup", "setup.toml", "--frame-interval-s", "0.1", "--trajectory", "drive.csv"];
+    let outcome = frames(&folder, &arguments);
+    assert_eq!(outcome.code, 1);
+    let lines: Vec<_> = outcome.stderr.lines().collect();
+    assert_eq!(lines.len(), 2, "{}", outcome.stderr);
+    assert!(
+        lines[0]
+            .starts_with("error: out/frame-0001.png: frame start at 0.1 s: the trajectory has no velocity at 0.2 s")
+    );
+    let document: Value = serde_json::from_str(&outcome.stdout).expect("the frames that could be ranged");
+    assert_eq!(list(&document, "frames").len(), 1);
+}
+
+#[test]
+fn several_frames_need_an_interval() {
+    let (folder, _) = turning_frames();
+    let folder = folder.with("drive.csv", turning_drive(100, false));
+    let outcome = frames(&folder, &["--setup", "setup.toml", "--trajectory", "drive.csv"]);
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""));
+    assert!(outcome.stderr.contains("--trajectory for several frames needs --frame-interval-s"), "{}", outcome.stderr);
+    let one = ["frame", "out/frame-0000.png", "--setup", "setup.toml", "--trajectory", "drive.csv", "--json"];
+    assert_eq!(list(&folder.run(&one).json()["frames"][0], "ranges").len(), 4);
+    let text = format!("row,column,frame\n{}{}", one_line(2.0, ",0"), one_line(2.0, ",1"));
+    let outcome = edges(SETUP, &text, &format!("{HEADER}\n{}", constant(30, "1,0,0,0,0,0")), &[]);
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.stderr.contains("--trajectory for several frames needs --frame-interval-s"), "{}", outcome.stderr);
+    let negative = frames(&folder, &["--setup", "setup.toml", "--frame-interval-s", "-1"]);
+    assert_eq!(negative.code, 2);
+}
