@@ -23,11 +23,11 @@ pub(crate) struct Landmark<S> {
     pub(crate) state: State<S>,
 }
 
-/// A line, by its place in the tracker's table, and how far it lies from the prediction.
+/// A line, by its place in the table that it comes from, and how far it lies from the prediction.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Claim<S> {
-    pub(crate) place: u16,
+    pub(crate) place: usize,
     pub(crate) distance: S,
     /// It lies where a static edge cannot be.
     pub(crate) has_moved: bool,
@@ -66,7 +66,7 @@ impl<S: Scalar> Sighting<S> {
 
 impl<S: Scalar> Landmark<S> {
     /// A line's claim to be this edge: how far it lies from where that should be, in sigmas; `None` where it cannot be.
-    pub(crate) fn claim_of(&self, setup: &Setup<S>, place: u16, sighting: &Sighting<S>) -> Option<Claim<S>> {
+    pub(crate) fn claim_of(&self, setup: &Setup<S>, place: usize, sighting: &Sighting<S>) -> Option<Claim<S>> {
         if self.polarity != sighting.polarity {
             return None;
         }

@@ -173,17 +173,17 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     }
 
     /// The next line with its place in the table.
-    pub(crate) fn next_placed_line(&mut self) -> Option<(u16, Line<KNOTS>)> {
+    pub(crate) fn next_placed_line(&mut self) -> Option<(usize, Line<KNOTS>)> {
         let place = self.tracker.ended().next_back()?;
         self.tracker.next_line().map(|line| (place, line))
     }
 
     /// The places of the lines that are ready.
-    pub(crate) fn places(&self) -> impl Iterator<Item = u16> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> {
         self.tracker.ended()
     }
 
-    pub(crate) fn line_at(&self, place: u16) -> Option<&Line<KNOTS>> {
+    pub(crate) fn line_at(&self, place: usize) -> Option<&Line<KNOTS>> {
         self.tracker.line_at(place)
     }
 

@@ -81,14 +81,26 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         ranger: &mut Ranger<LINES, KNOTS, EDGES>,
         mut found: impl FnMut(Range<S>),
     ) {
-        self.assign(setup, motion, ranger);
+        self.assign(setup, motion, ranger.places(), |place| ranger.line_at(place));
         while let Some((place, line)) = ranger.next_placed_line() {
             found(self.continue_line(setup, motion, place, &line));
         }
-        for landmark in &mut self.landmarks {
-            landmark.missed = if landmark.claim.is_some() { 0 } else { landmark.missed.saturating_add(1) };
+        self.count_missed();
+    }
+
+    /// The same for lines from elsewhere, whose ranges are handed over in their order: once a frame, all of it.
+    pub fn lines<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        lines: &[Line<KNOTS>],
+        mut found: impl FnMut(Range<S>),
+    ) {
+        self.assign(setup, motion, 0..lines.len(), |place| lines.get(place));
+        for (place, line) in lines.iter().enumerate() {
+            found(self.continue_line(setup, motion, place, line));
         }
-        self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
+        self.count_missed();
     }
 
     /// Goes on to the next frame's start: `pose` of the camera there in the axes of this frame's start, the time in between, and
@@ -120,28 +132,34 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
 
     /// Gives each line to at most one landmark and each landmark at most one line: a landmark keeps the nearest of
     /// those that ask for it, and a line that is turned down asks for the next.
-    fn assign<M: Motion<S>, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
+    fn assign<'l, M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
-        ranger: &Ranger<LINES, KNOTS, EDGES>,
+        places: impl Iterator<Item = usize>,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) {
         self.landmarks.iter_mut().for_each(|landmark| landmark.claim = None);
-        let mut free: Vec<u16, LINES> = ranger.places().collect();
-        while let Some(place) = free.pop() {
-            let sighting = ranger.line_at(place).and_then(|line| Sighting::new(setup, motion, line));
-            if let Some(sighting) = sighting {
-                if let Some(turned_down) = self.claim(setup, place, &sighting) {
-                    // Its place in the list is that of the line that was just taken from it.
-                    let _ = free.push(turned_down);
-                }
+        for place in places {
+            let mut asking = Some(place);
+            while let Some(place) = asking {
+                let sighting = line_at(place).and_then(|line| Sighting::new(setup, motion, line));
+                asking = sighting.and_then(|sighting| self.claim(setup, place, &sighting));
             }
         }
     }
 
+    /// A landmark without a line in this frame is hidden, or gone.
+    fn count_missed(&mut self) {
+        for landmark in &mut self.landmarks {
+            landmark.missed = if landmark.claim.is_some() { 0 } else { landmark.missed.saturating_add(1) };
+        }
+        self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
+    }
+
     /// Asks the landmark that a line lies nearest to, of those that would have it, and returns the line that is turned down
     /// for it.
-    fn claim(&mut self, setup: &Setup<S>, place: u16, sighting: &Sighting<S>) -> Option<u16> {
+    fn claim(&mut self, setup: &Setup<S>, place: usize, sighting: &Sighting<S>) -> Option<usize> {
         let mut best: Option<(&mut Landmark<S>, Claim<S>)> = None;
         for landmark in &mut self.landmarks {
             let Some(claim) = landmark.claim_of(setup, place, sighting) else { continue };
@@ -158,7 +176,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         &mut self,
         setup: &Setup<S>,
         motion: &M,
-        place: u16,
+        place: usize,
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let claim_of = |landmark: &Landmark<S>| landmark.claim.filter(|claim| claim.place == place);
@@ -201,7 +219,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         }
         let id = self.next_id;
         // Whatever the place, it is not a line that is still to be taken.
-        let claim = Some(Claim { place: u16::MAX, distance: S::ZERO, has_moved: false });
+        let claim = Some(Claim { place: usize::MAX, distance: S::ZERO, has_moved: false });
         let (polarity, frames, missed, on_probation) = (line.first().polarity, 1, 0, 0);
         let landmark = Landmark { id, polarity, frames, missed, on_probation, claim, state };
         if self.landmarks.push(landmark).is_err() {

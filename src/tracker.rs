@@ -172,12 +172,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Places of the lines that have ended; [`Tracker::next_line`] takes the last one.
-    pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = u16> {
-        self.ended.iter().copied()
+    pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = usize> {
+        self.ended.iter().map(|place| usize::from(*place))
     }
 
-    pub(crate) fn line_at(&self, place: u16) -> Option<&Line<KNOTS>> {
-        self.tracks.get(usize::from(place))?.as_ref().map(|track| &track.line)
+    pub(crate) fn line_at(&self, place: usize) -> Option<&Line<KNOTS>> {
+        self.tracks.get(place)?.as_ref().map(|track| &track.line)
     }
 
     /// What was dropped since the tracker was made.

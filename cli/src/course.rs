@@ -69,6 +69,15 @@ impl Course {
         Ok(Self { interval_s: arguments.frame_interval_s, last_row_ns, source })
     }
 
+    pub(crate) fn is_sequence(&self) -> bool {
+        self.interval_s.is_some()
+    }
+
+    /// Seconds from the start of a frame to that of the next one; zero where there is none.
+    pub(crate) fn to_next_s(&self, number: i64, next: Option<i64>) -> f64 {
+        next.map_or(0.0, |next| self.start_s(next) - self.start_s(number))
+    }
+
     /// Seconds from the start of frame 0 to that of another.
     fn start_s(&self, number: i64) -> f64 {
         number as f64 * self.interval_s.unwrap_or(0.0)
@@ -77,7 +86,7 @@ impl Course {
     /// The motion of a frame, in the axes of its start: good for its rows, and up to the start of the next frame, if any.
     pub(crate) fn motion(&mut self, number: i64, next: Option<i64>) -> Result<CameraMotion<'_>> {
         let start_s = self.start_s(number);
-        let to_next_s = next.map_or(0.0, |next| self.start_s(next) - start_s);
+        let to_next_s = self.to_next_s(number, next);
         let (start_ns, until_ns) = (nanoseconds(start_s), self.last_row_ns.max(nanoseconds(to_next_s)));
         match &mut self.source {
             Source::Constant(twist) => Ok(CameraMotion::Constant(later(twist, start_s)?)),

@@ -5,12 +5,13 @@ use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, bail};
-use shutter_range::{Line, Range, Setup};
+use shutter_range::{Line, Setup};
 
 use crate::arguments::CourseArgs;
 use crate::course::{CameraMotion, Course};
 use crate::edge_file::{self, EdgeRow};
 use crate::report::{Document, Frame};
+use crate::sequel::Sequel;
 use crate::setup::SetupFile;
 use crate::tracking;
 
@@ -55,45 +56,48 @@ fn by_frame(text: &str, setup: &SetupFile) -> Result<Frames> {
 fn frames(name: &str, groups: Frames, setup: &SetupFile, mut course: Course) -> Result<Vec<Frame>> {
     let number = |frame: &Option<i64>| frame.unwrap_or(0);
     let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(number(frame))).chain([None]).collect();
+    let mut sequel = Sequel::new(setup, &course);
     let mut frames = Vec::new();
     for ((key, rows), next) in groups.into_iter().zip(nexts) {
+        let to_next_s = course.to_next_s(number(&key), next);
         let motion = course.motion(number(&key), next)?;
+        sequel.advance(&motion, to_next_s);
         let named = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
-        frames.push(frame(named, rows, &setup.setup, &motion)?);
+        frames.push(frame(named, rows, &mut sequel, &motion)?);
     }
     Ok(frames)
 }
 
 /// Edges that name their line make one; the tracker sorts out the others.
-fn frame(name: String, rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Frame> {
-    let mut lines: BTreeMap<i64, Vec<EdgeRow>> = BTreeMap::new();
+fn frame(name: String, rows: Vec<EdgeRow>, sequel: &mut Sequel, motion: &CameraMotion<'_>) -> Result<Frame> {
+    let mut named: BTreeMap<i64, Vec<EdgeRow>> = BTreeMap::new();
     let mut unassigned = Vec::new();
     for row in rows {
         match row.line {
-            Some(line) => lines.entry(line).or_default().push(row),
+            Some(line) => named.entry(line).or_default().push(row),
             None => unassigned.push(row),
         }
     }
-    let tracked = tracking::track(unassigned, setup, motion)?;
-    let mut ranges = tracked.ranges;
-    for (number, rows) in lines {
-        ranges.push(range_of(number, rows, setup, motion)?);
+    let tracked = tracking::track(unassigned, sequel.setup())?;
+    let mut lines = tracked.lines;
+    for (number, rows) in named {
+        lines.push(line_of(number, rows, sequel.setup())?);
     }
-    Ok(Frame::new(name, &mut ranges, tracked.counters))
+    Ok(Frame::new(name, &mut sequel.ranges(motion, &lines)?, tracked.counters))
 }
 
-fn range_of(number: i64, mut rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Range<f64>> {
+fn line_of(number: i64, mut rows: Vec<EdgeRow>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {
     let readout = setup.readout();
     rows.sort_by_key(|row| readout.rows_before(row.edge.row));
     refuse_twin_rows(number, &rows)?;
     let Some((first, others)) = rows.split_first() else { bail!("line {number} has no edges") };
-    let mut line: Line<KNOTS> = Line::new(first.edge);
+    let mut line = Line::new(first.edge);
     for row in others {
         if line.push(row.edge).is_err() {
             bail!("line {}: {}", row.at, backwards(row, line.last().row));
         }
     }
-    Ok(Range::of_line(setup, motion, &line))
+    Ok(line)
 }
 
 fn refuse_twin_rows(number: i64, rows: &[EdgeRow]) -> Result<()> {

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use image::GrayImage;
-use shutter_range::{Ranger, Setup};
+use shutter_range::{Counters, Line, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
 use crate::course::{CameraMotion, Course};
 use crate::edges::KNOTS;
 use crate::report::{Document, Frame};
+use crate::sequel::Sequel;
 use crate::setup::SetupFile;
 use crate::size::Size;
 use crate::{output, overlay, picture, progress};
@@ -30,14 +31,25 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         anyhow::ensure!(raw == size, "--raw says {raw} pixels, but must say {size} {camera}");
     }
     let mut course = Course::new(&arguments.course, setup)?;
+    let mut sequel = Sequel::new(setup, &course);
     let bar = progress::bar(arguments.files.len() as u64);
     let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
     for (number, (index, file)) in (0..).zip(arguments.files.iter().enumerate()) {
         let next = (index + 1 < arguments.files.len()).then_some(number + 1);
         let frames = &mut outcome.document.frames;
-        let mut job = Job { setup, size, raw: arguments.raw.is_some(), frames };
-        let motion = course.motion(number, next).with_context(|| file.display().to_string());
-        if let Err(error) = motion.and_then(|motion| job.range(file, &motion, overlays.get(index))) {
+        let mut job = Job { sequel: &mut sequel, size, raw: arguments.raw.is_some(), frames };
+        let to_next_s = course.to_next_s(number, next);
+        let done = match course.motion(number, next) {
+            Ok(motion) => {
+                job.sequel.advance(&motion, to_next_s);
+                job.range(file, &motion, overlays.get(index))
+            }
+            Err(error) => {
+                job.sequel.restart();
+                Err(error.context(file.display().to_string()))
+            }
+        };
+        if let Err(error) = done {
             bar.suspend(|| output::error(&error));
             outcome.failures += 1;
         }
@@ -48,7 +60,7 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
 }
 
 struct Job<'a> {
-    setup: &'a SetupFile,
+    sequel: &'a mut Sequel,
     size: Size,
     raw: bool,
     frames: &'a mut Vec<Frame>,
@@ -59,27 +71,35 @@ impl Job<'_> {
     fn range(&mut self, file: &Path, motion: &CameraMotion<'_>, overlay: Option<&PathBuf>) -> Result<()> {
         let picture = picture::load(file, self.size, self.raw)?;
         let name = file.display().to_string();
-        let frame = range(name.clone(), &picture.to_luma8(), &self.setup.setup, motion).context(name)?;
+        let seen = lines(&picture.to_luma8(), self.sequel.setup()).with_context(|| name.clone())?;
+        let mut ranges = self.sequel.ranges(motion, &seen.lines)?;
+        let frame = Frame { torn: seen.torn, ..Frame::new(name, &mut ranges, seen.counters) };
         let drawn = overlay.map(|path| overlay::write(path, picture.into_rgb8(), &frame.ranges));
         self.frames.push(frame);
         drawn.unwrap_or(Ok(()))
     }
 }
 
-/// A new ranger for each frame, so that no frame depends on those before it.
-fn range(name: String, pixels: &GrayImage, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Frame> {
+struct Seen {
+    lines: Vec<Line<KNOTS>>,
+    torn: bool,
+    counters: Counters,
+}
+
+/// A new ranger for each frame, so that what one has dropped is told of it alone.
+fn lines(pixels: &GrayImage, setup: &Setup<f64>) -> Result<Seen> {
     let mut ranger = Box::new(LargeRanger::new());
-    let mut ranges = Vec::new();
+    let mut lines = Vec::new();
     let columns = usize::from(setup.camera().intrinsics().columns);
     for rows_before in 0..setup.readout().rows() {
         let row = setup.readout().row_after(rows_before);
         let start = usize::from(row) * columns;
         let of_row = pixels.as_raw().get(start..start + columns);
         ranger.row(setup, row, of_row.context("the picture is too small")?)?;
-        ranges.append(&mut ranger.ranges(setup, motion));
+        lines.extend(std::iter::from_fn(|| ranger.next_line()));
     }
     let torn = ranger.is_torn();
     ranger.end_frame(setup);
-    ranges.append(&mut ranger.ranges(setup, motion));
-    Ok(Frame { torn, ..Frame::new(name, &mut ranges, *ranger.counters()) })
+    lines.extend(std::iter::from_fn(|| ranger.next_line()));
+    Ok(Seen { lines, torn, counters: *ranger.counters() })
 }

@@ -13,6 +13,7 @@ mod trajectory_file;
 mod course;
 mod picture;
 mod scene_file;
+mod sequel;
 
 // The commands.
 mod table2;

@@ -1,7 +1,7 @@
 //! What is told of frames and their ranges. The names and their order are an interface: scripts read them as JSON.
 
 use serde::Serialize;
-use shutter_range::{Counters, Polarity, Range, RangeStatus};
+use shutter_range::{Counters, ErrorSource, Polarity, Range, RangeStatus};
 
 #[derive(Serialize)]
 pub(crate) struct Document {
@@ -39,6 +39,20 @@ pub(crate) struct RangeReport {
     pub(crate) edges: u16,
     pub(crate) polarity: Option<&'static str>,
     pub(crate) status: Status,
+    /// The same for the same edge in all frames of a sequence; null outside one, and for what is not followed.
+    pub(crate) line_id: Option<u32>,
+    /// Number of frames that the values rest on.
+    pub(crate) frames: u32,
+    pub(crate) tilt_deg: f64,
+    pub(crate) sigma_tilt_deg: f64,
+    /// The part of the depth's relative sigma that all edges of the frame have in common.
+    pub(crate) sigma_common: Option<f64>,
+    /// Where most of sigma comes from.
+    pub(crate) dominant: &'static str,
+    /// Of `edges`, those that the values rest on.
+    pub(crate) edges_used: u16,
+    /// Residuals in units of the stated noise.
+    pub(crate) misfit: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -114,7 +128,29 @@ impl RangeReport {
             edges: range.edges,
             polarity: polarity(range.polarity),
             status: range.status.into(),
+            line_id: range.line_id,
+            frames: range.frames,
+            tilt_deg: estimate.tilt.atan().to_degrees(),
+            sigma_tilt_deg: estimate.sigma_tilt.to_degrees(),
+            sigma_common: depth.estimate_m.map(|_| estimate.budget.common_per_m() / estimate.inverse_depth_per_m),
+            dominant: source(estimate.budget.dominant()),
+            edges_used: range.edges_used,
+            misfit: estimate.misfit,
         }
+    }
+}
+
+fn source(source: ErrorSource) -> &'static str {
+    match source {
+        ErrorSource::Noise => "noise",
+        ErrorSource::Lean => "lean",
+        ErrorSource::Gravity => "gravity",
+        ErrorSource::Lens => "lens",
+        ErrorSource::Speed => "speed",
+        ErrorSource::Rate => "rate",
+        ErrorSource::Readout => "readout",
+        ErrorSource::Focal => "focal",
+        _ => "other",
     }
 }
 

@@ -3,9 +3,8 @@
 use std::collections::HashSet;
 
 use anyhow::{Error, Result, anyhow};
-use shutter_range::{Counters, EdgeError, Limits, Range, Ranger, Readout, ReadoutDirection, Setup};
+use shutter_range::{Counters, EdgeError, Limits, Line, Ranger, Readout, ReadoutDirection, Setup};
 
-use crate::course::CameraMotion;
 use crate::edge_file::EdgeRow;
 use crate::edges::{KNOTS, backwards};
 
@@ -14,12 +13,12 @@ type LargeRanger = Ranger<256, KNOTS, 4096>;
 
 #[derive(Default)]
 pub(crate) struct Tracked {
-    pub(crate) ranges: Vec<Range<f64>>,
+    pub(crate) lines: Vec<Line<KNOTS>>,
     pub(crate) counters: Counters,
 }
 
 /// The lines of one frame.
-pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraMotion<'_>) -> Result<Tracked> {
+pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>) -> Result<Tracked> {
     if rows.is_empty() {
         return Ok(Tracked::default());
     }
@@ -28,7 +27,7 @@ pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraM
     rows.sort_by_key(|row| (readout.rows_before(row.edge.row), row.edge.column_q16));
     let step = usual_step(&rows, readout);
     let mut ranger = Box::new(LargeRanger::new());
-    let mut ranges = Vec::new();
+    let mut lines = Vec::new();
     let mut previous: Option<u16> = None;
     for of_row in rows.chunk_by(|a, b| a.edge.row == b.edge.row) {
         let Some(first) = of_row.first() else { continue };
@@ -39,12 +38,12 @@ pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>, motion: &CameraM
             let taken = ranger.edge(&setup, row.edge);
             taken.map_err(|error| refused(row, previous, error))?;
         }
-        ranges.append(&mut ranger.ranges(&setup, motion));
+        lines.extend(std::iter::from_fn(|| ranger.next_line()));
         previous = Some(first.edge.row);
     }
     ranger.end_frame(&setup);
-    ranges.append(&mut ranger.ranges(&setup, motion));
-    Ok(Tracked { ranges, counters: *ranger.counters() })
+    lines.extend(std::iter::from_fn(|| ranger.next_line()));
+    Ok(Tracked { lines, counters: *ranger.counters() })
 }
 
 /// The setup with limits for rows that may be sparse, or lines that have edges on different ones. The fewer edges a row
