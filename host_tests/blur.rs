@@ -72,8 +72,9 @@ fn rms(errors: &[f64]) -> f64 {
 #[test]
 fn blur_tells_lean_from_depth_in_one_frame() {
     let known = MotionBlur::of_lens(EXPOSURE_S, Exposure::default().psf_sigma_px);
-    for (name, blur, part) in [("lens known", known, 0.15), ("lens unknown", MotionBlur::of_exposure(EXPOSURE_S), 0.25)]
-    {
+    let unknown = MotionBlur::of_exposure(EXPOSURE_S);
+    // The relative sigma is what an unknown lens leaves open, a good third of what the position alone does.
+    for (name, blur, part, stated) in [("lens known", known, 0.1, 0.04), ("lens unknown", unknown, 0.25, 0.1)] {
         let (mut alone, mut fused, mut normal) = (Vec::new(), Vec::new(), Vec::new());
         for seed in 0..20 {
             let lean = if seed % 2 == 0 { HALF_DEGREE } else { -HALF_DEGREE };
@@ -81,7 +82,7 @@ fn blur_tells_lean_from_depth_in_one_frame() {
             for range in Shot::new(lean, seed).with(blur).ranges() {
                 assert_eq!(range.status, RangeStatus::Ok, "{range:?}");
                 let sigma = range.estimate.sigma_inverse_depth_per_m / range.estimate.inverse_depth_per_m;
-                assert!(f64::from(sigma) < part * 0.28, "{name}: {sigma}");
+                assert!(f64::from(sigma) < stated, "{name}: {sigma}");
                 fused.push(errors(&range).0);
                 normal.push(errors(&range).1);
             }
