@@ -6,8 +6,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use shutter_range::{
-    Camera, Distortion, Edge, Intrinsics, Limits, MotionBlur, ParameterError, RangeStatus, Ranger, Readout,
-    ReadoutDirection, Setup, Stamps, StreamClock, Streams, Trajectory, Twist, Uncertainty,
+    Camera, Distortion, Edge, Intrinsics, LensBlur, Limits, Motion, MotionBlur, ParameterError, RangeStatus, Ranger,
+    Readout, ReadoutDirection, Sequence, Setup, Stamps, StreamClock, Streams, Trajectory, Twist, Uncertainty,
 };
 
 const ROWS: u16 = 120;
@@ -74,10 +74,17 @@ fn run() -> Result<bool, ParameterError> {
     ranger.end_frame(&setup);
     let trajectory = drive();
     let Ok(motion) = trajectory.frame(10_000_000, 0..=setup.readout().row_time_ns(ROWS)) else { return Ok(false) };
-    while let Some(range) = ranger.next_range(&setup, &motion) {
-        from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();
+    let mut sequence: Sequence<f32, 2> = Sequence::new();
+    let mut lens = LensBlur::new(MotionBlur::of_exposure(0.001));
+    for _ in 0..2 {
+        sequence.frame(&setup, &motion, &mut ranger, |range| {
+            from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();
+            lens.learn(&range);
+        });
+        sequence.advance(&setup, &motion.pose(0.017), 0.017, motion.gravity());
     }
-    Ok(from_pixels && from_edges)
+    let setup = setup.with_motion_blur(lens.motion_blur())?;
+    Ok(from_pixels && from_edges && setup.motion_blur().is_some())
 }
 
 #[cfg(not(target_os = "none"))]

@@ -133,7 +133,12 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     let effects = Effects::of(&problem.sights, &edge, &rows, &solution, setup);
     let state = State { edge, covariance: solution.covariance(), effects };
     let estimate = Estimate::new(&state, setup, &straightness);
-    Ok(Fitted { estimate, state, kept: problem.sights.iter().map(|sight| sight.kept).collect() })
+    let mut kept = Vec::new();
+    for sight in &problem.sights {
+        // As many as there are sights; `collect` could panic.
+        let _ = kept.push(sight.kept);
+    }
+    Ok(Fitted { estimate, state, kept })
 }
 
 fn sight_all<S: Scalar, M: Motion<S>, const N: usize>(

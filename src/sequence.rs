@@ -214,15 +214,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     ) -> Range<S> {
         let (range, state) = Range::continued(setup, motion, line, None);
         let Some(state) = state.filter(|_| is_of_use(range.status)) else { return range };
-        if self.landmarks.is_full() {
-            self.forget_one();
-        }
         let id = self.next_id;
         // Whatever the place, it is not a line that is still to be taken.
         let claim = Some(Claim { place: usize::MAX, distance: S::ZERO, has_moved: false });
         let (polarity, frames, missed, on_probation) = (line.first().polarity, 1, 0, 0);
         let landmark = Landmark { id, polarity, frames, missed, on_probation, claim, state };
-        if self.landmarks.push(landmark).is_err() {
+        if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
         }
@@ -230,11 +227,16 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         Range { line_id: Some(id), ..range }
     }
 
-    /// Makes room by forgetting the edge that has not been seen for longest; one that this frame shows is never lost.
-    fn forget_one(&mut self) {
-        let unseen = self.landmarks.iter().enumerate().filter(|(_, landmark)| landmark.claim.is_none());
-        if let Some((index, _)) = unseen.max_by_key(|(_, landmark)| landmark.missed) {
-            self.landmarks.swap_remove(index);
+    /// The table is full: puts a newcomer in the place of the edge that has not been seen for longest. One that this frame
+    /// shows is never lost; without any other, the newcomer is refused.
+    fn replace_unseen(&mut self, newcomer: Landmark<S>) -> Result<(), Landmark<S>> {
+        let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.claim.is_none());
+        match unseen.max_by_key(|landmark| landmark.missed) {
+            Some(place) => {
+                *place = newcomer;
+                Ok(())
+            }
+            None => Err(newcomer),
         }
     }
 }
