@@ -118,7 +118,9 @@ fn a_sequence_goes_on_as_it_was_simulated() {
     assert_found(&truth, &sequence);
     // On its own, each frame starts with the setup's motion, which is that of the first one.
     let apart = frames(&folder, &["--setup", "setup.toml"]).json();
-    assert_eq!(apart["frames"][0], sequence["frames"][0]);
+    for (alone, first) in list(&apart["frames"][0], "ranges").iter().zip(list(&sequence["frames"][0], "ranges")) {
+        assert_eq!(alone["depth_m"], first["depth_m"]);
+    }
     for (alone, range) in list(&apart["frames"][2], "ranges").iter().zip(list(&sequence["frames"][2], "ranges")) {
         assert!(number(alone, "depth_m") < 0.5 * number(range, "depth_m"), "{alone}");
     }

@@ -1,0 +1,106 @@
+//! What several frames tell together: names of edges, tilt, and a sigma that falls.
+
+use serde_json::Value;
+
+use crate::tool::{Folder, SETUP, assert_near, number};
+
+const FRAMES: usize = 5;
+
+/// Two posts; the nearer one leans by half a degree.
+const SCENE: &str = "\
+[background]
+level = 200
+[[bar]]
+bearing = -0.2
+depth_m = 2.0
+width_m = 0.12
+level = 40
+lean_deg = 0.5
+[[bar]]
+bearing = 0.1
+depth_m = 2.2
+width_m = 0.2
+level = 60
+";
+
+fn simulated(setup: &str) -> (Folder, Value) {
+    let folder = Folder::new().with("setup.toml", setup).with("scene.toml", SCENE);
+    let arguments = ["simulate", "--setup", "setup.toml", "--scene", "scene.toml", "--out", "out", "--frames", "5"];
+    let truth = folder.run(&[&arguments[..], &["--frame-interval-s", "0.04", "--json"]].concat()).json();
+    (folder, truth)
+}
+
+fn frame(folder: &Folder, rest: &[&str]) -> Value {
+    let files: Vec<_> = (0..FRAMES).map(|k| format!("out/frame-{k:04}.png")).collect();
+    let files: Vec<_> = files.iter().map(String::as_str).collect();
+    folder.run(&[&["frame", "--setup", "setup.toml", "--json"], files.as_slice(), rest].concat()).json()
+}
+
+fn ranges(document: &Value, frame: usize) -> &[Value] {
+    document["frames"][frame]["ranges"].as_array().expect("a list of ranges")
+}
+
+fn setup(sigma_tilt_deg: f64, more: &str) -> String {
+    let setup = SETUP.replace("sigma_tilt_deg = 0\n", &format!("sigma_tilt_deg = {sigma_tilt_deg}\n"));
+    setup.replace("readout_s = 0.0333\n", &format!("readout_s = 0.0333\n{more}"))
+}
+
+#[test]
+fn a_sequence_names_its_edges_and_learns_their_lean() {
+    let (folder, truth) = simulated(&setup(0.5, ""));
+    let found = frame(&folder, &["--frame-interval-s", "0.04"]);
+    let ids: Vec<_> = ranges(&found, 0).iter().map(|range| range["line_id"].clone()).collect();
+    assert_eq!(ids.len(), 4);
+    for frame in 0..FRAMES {
+        let edges = truth["frames"][frame]["edges"].as_array().expect("a list of edges");
+        for ((range, edge), id) in ranges(&found, frame).iter().zip(edges).zip(&ids) {
+            assert_eq!((&range["line_id"], &range["status"]), (id, &Value::from("ok")), "{range}");
+            assert_eq!(number(range, "frames"), frame as f64 + 1.0);
+            let (rho, sigma) = (number(range, "inverse_depth_per_m"), number(range, "sigma_inverse_depth_per_m"));
+            assert_near(rho, number(edge, "inverse_depth_per_m"), 4.0 * sigma);
+            let (most, least) = if frame == 0 { (1.0, 0.1) } else { (0.01, 0.0) };
+            assert!((least..most).contains(&(sigma / rho)), "{range}");
+            assert!(range["dominant"].is_string() && number(range, "sigma_common") == 0.0, "{range}");
+        }
+    }
+    let [left, right, other, _] = ranges(&found, FRAMES - 1) else { panic!("{found}") };
+    for (range, degrees) in [(left, 0.5), (right, 0.5), (other, 0.0)] {
+        assert_near(number(range, "tilt_deg").abs(), degrees, 0.03);
+        assert!(number(range, "sigma_tilt_deg") < 0.02, "{range}");
+    }
+}
+
+#[test]
+fn frames_on_their_own_have_no_names() {
+    let (folder, _) = simulated(&setup(0.1, ""));
+    let found = frame(&folder, &[]);
+    for range in (0..FRAMES).flat_map(|frame| ranges(&found, frame)) {
+        assert_eq!((&range["line_id"], number(range, "frames")), (&Value::Null, 1.0), "{range}");
+    }
+}
+
+/// What all edges have in common is told relative to the distance.
+#[test]
+fn a_speed_that_is_known_to_two_percent() {
+    let setup = setup(0.0, "").replace("[motion]\n", "[motion]\nsigma_speed = 0.02\n");
+    let (folder, _) = simulated(&setup);
+    for range in ranges(&frame(&folder, &["--frame-interval-s", "0.04"]), FRAMES - 1) {
+        assert_near(number(range, "sigma_common"), 0.02, 1e-3);
+        assert_eq!(range["dominant"], "speed", "{range}");
+    }
+}
+
+/// Where the exposure is known, the blur tells the lean in a single frame.
+#[test]
+fn the_blur_tells_the_lean() {
+    let (folder, _) = simulated(&setup(0.5, "exposure_s = 0.008\nlens_blur_px = 0.7\n"));
+    let blind = setup(0.5, "");
+    let relative_error = |folder: &Folder| {
+        let found = frame(folder, &[]);
+        let off = |range: &Value| (number(range, "inverse_depth_per_m") * 2.0 - 1.0).abs();
+        ranges(&found, 0).iter().take(2).map(off).fold(0.0, f64::max)
+    };
+    let with_blur = relative_error(&folder);
+    let without = relative_error(&folder.with("setup.toml", blind));
+    assert!(without > 0.15 && with_blur < without / 4.0, "{with_blur} with, {without} without");
+}
