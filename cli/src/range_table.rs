@@ -6,8 +6,18 @@ use crate::report::{Document, Frame, RangeReport, Status};
 use crate::rounding::{decimals, with_sigma};
 use crate::text_table::{Colour, TextTable};
 
-const HEADINGS: [&str; 8] =
-    ["column@row (px)", "bearing", "depth (m)", "2-sigma interval (m)", "rows", "edges", "polarity", "status"];
+const HEADINGS: [&str; 10] = [
+    "column@row (px)",
+    "bearing",
+    "depth (m)",
+    "2-sigma interval (m)",
+    "sigma from",
+    "line",
+    "rows",
+    "edges",
+    "polarity",
+    "status",
+];
 
 pub(crate) fn text(document: &Document, colours: bool) -> String {
     let mut text = String::new();
@@ -40,13 +50,15 @@ fn write_frame(frame: &Frame, colours: bool, text: &mut String) {
     }
 }
 
-fn cells(range: &RangeReport) -> [String; 8] {
+fn cells(range: &RangeReport) -> [String; 10] {
     let depth = range.depth_m.zip(range.sigma_depth_m);
     [
         format!("{:.2}@{}", range.column_at_first_row, range.first_row),
         format!("{:+.4}", range.bearing),
         depth.map_or_else(|| "-".to_string(), |(depth, sigma)| with_sigma(depth, sigma, 2)),
         interval(range),
+        range.dominant.to_string(),
+        range.line_id.map_or_else(|| "-".to_string(), |id| id.to_string()),
         format!("{}-{}", range.first_row, range.last_row),
         range.edges.to_string(),
         range.polarity.unwrap_or("-").to_string(),

@@ -241,7 +241,7 @@ fn text_has_one_line_for_each_range() {
     assert_eq!(lines[1].last(), Some(&"status"));
     assert_eq!(lines[2][..2], ["379.50@0", "+0.1000"]);
     assert_eq!(lines[2][3], "±");
-    assert_eq!(lines[2][7..], ["0-470", "48", "-", "ok"]);
+    assert_eq!(lines[2][7..], ["noise", "-", "0-470", "48", "-", "ok"]);
     assert_eq!(lines[3].last(), Some(&"far"));
     assert!(outcome.stdout.contains("∞)"));
     assert!(lines[4].starts_with(&["1", "stray", "edges:"]));
