@@ -187,3 +187,39 @@ fn distorted_edge(scene: &Scene, camera: &shutter_range::Camera<f64>, row: u16) 
     let (column, _) = recorded(above);
     (0.0..=639.0).contains(&column).then(|| scene.edge_at(row, column))
 }
+
+/// The formulas of `Budget`'s documentation, for a level camera that moves sideways past an edge in the middle of the image.
+#[test]
+fn the_budget_is_as_its_table_says() {
+    use shutter_range::ErrorSource::{Focal, Gravity, Lean, Noise, Rate, Readout, Speed};
+    let none = Uncertainty::NONE;
+    for depth_m in [0.5, 2.0, 8.0] {
+        let scene = Scene { bearing: 0.0, depth_m, ..Scene::vga() };
+        let (f, v, line_time) = (scene.focal_px, 1.5, scene.readout_s / f64::from(scene.rows));
+        let skew = depth_m / (f * v * line_time);
+        let cases = [
+            (Lean, Uncertainty { sigma_tilt: SMALL, ..none }, SMALL * skew),
+            (Gravity, Uncertainty { sigma_gravity: SMALL, ..none }, SMALL * skew),
+            (Speed, Uncertainty { sigma_speed: 0.02, ..none }, 0.02),
+            (Rate, Uncertainty { sigma_rate_rad_s: 0.01, ..none }, 0.01 * depth_m / v),
+            (Readout, Uncertainty { sigma_readout: 0.02, ..none }, 0.02),
+            (Focal, Uncertainty { sigma_focal: 0.02, ..none }, 0.02),
+        ];
+        for (source, uncertainty, relative) in cases {
+            let estimate = estimate(&scene, &scene, uncertainty);
+            let part = |of| estimate.budget.parts().into_iter().find(|(source, _)| *source == of).expect("a part").1;
+            let found = part(source) * depth_m;
+            assert!((found / relative - 1.0).abs() < 0.1, "{source:?} at {depth_m} m: {found}, not {relative}");
+            let rows = scene.visible_rows().len() as f64;
+            let noise = 0.1 * (12.0 / rows.powi(3)).sqrt() * skew;
+            assert!(
+                (part(Noise) * depth_m / noise - 1.0).abs() < 0.15,
+                "noise at {depth_m} m: {} not {noise}",
+                part(Noise)
+            );
+            assert_eq!(estimate.budget.dominant() == source, found > noise);
+            let whole = estimate.budget.own_per_m().hypot(estimate.budget.common_per_m());
+            assert!((whole / estimate.sigma_inverse_depth_per_m - 1.0).abs() < 1e-6);
+        }
+    }
+}

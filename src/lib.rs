@@ -8,7 +8,7 @@
 //! pixel row ─Scanner─▶ edges ─Tracker─▶ lines ─fit─▶ Range { status, bearing, inverse depth, tilt, covariance }
 //!                        ▲                ▲            ▲
 //!                      your own         Camera,      Motion, gravity
-//!                      edge detector    Readout
+//!                      edge detector    Readout      earlier frames (Sequence)
 //! ```
 //!
 //! Most people use [`Ranger`], which is the whole way and has no mathematics of its own. Every arrow is a type or function
@@ -66,8 +66,13 @@
 //! in the paper's set-up, sixty times the pixel noise. A single frame cannot tell the two apart by position, so the tilt
 //! is a third unknown with a prior ([`Uncertainty::sigma_tilt`], 0.1° unless you know better), and sigma says what that
 //! means. What can tell them apart in the same frame is motion blur: a moving edge is smeared over its path during the
-//! exposure, whatever its lean ([`MotionBlur`]). Without a known exposure only straightness and the slope's sign are tested.
-//! An object that moves at constant velocity looks like a static one at another distance.
+//! exposure, whatever its lean ([`MotionBlur`]). With a known exposure the blur is one more measurement in the same least
+//! squares, and an edge whose blur contradicts its slope is refused; without, only straightness and the slope's sign are tested.
+//! Several frames of a moving camera make the tilt known ([`Sequence`]). An object that moves at constant velocity looks like a
+//! static one at another distance until the camera's velocity changes.
+//!
+//! What is common to all edges of a frame, such as a wrong speed, does not average out over them; [`Budget`] tells it apart
+//! from what is each edge's own, and which term dominates.
 //!
 //! A result is never a bare number: see [`RangeStatus`]. An edge too far, too slow or too short is a status with numbers
 //! ("farther than 12 m"), not an error and not NaN. Errors are for misuse.
