@@ -107,4 +107,7 @@ fn sizes_in_memory() {
     // What the documentation of `Ranger` promises.
     type Small = shutter_range::Ranger<16, 12, 32>;
     assert!(size_of::<Small>() <= 16 * (120 + 40 * 12) + 24 * 32 + 64, "{}", size_of::<Small>());
+    // And that of `Sequence`.
+    type Edges = shutter_range::Sequence<f32, 16>;
+    assert!(size_of::<Edges>() <= 16 * 208 + 16, "{}", size_of::<Edges>());
 }

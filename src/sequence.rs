@@ -20,6 +20,8 @@ use crate::{Line, Motion, Pose, Range, RangeStatus, Ranger, Scalar, Setup};
 /// constant, too. Once speed or heading changes it is no longer where it should be: it is then
 /// [`Inconsistent`](RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again.
 ///
+/// *Memory*: 208 bytes for each landmark in `f32`, and 16.
+///
 /// ```
 /// use shutter_range::{
 ///     Camera, Distortion, Edge, Intrinsics, Limits, Motion, Ranger, Readout, Sequence, Setup, Twist, Uncertainty,

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde_json::Value;
 
+use crate::simulations::SCENE;
 use crate::tool::{Folder, Outcome, SETUP, assert_near, column, number};
 
 const HEADER: &str = "time_s,vx,vy,vz,wx,wy,wz";
@@ -49,21 +50,6 @@ fn assert_found(truth: &Value, found: &Value) {
         }
     }
 }
-
-const SCENE: &str = "\
-[background]
-level = 200
-[[bar]]
-bearing = -0.2
-depth_m = 2.0
-width_m = 0.1
-level = 40
-[[bar]]
-bearing = 0.25
-depth_m = 3.0
-width_m = 0.2
-level = 60
-";
 
 /// Turning right and rolling; three frames.
 const RATE: [f64; 3] = [0.0, 0.3, 0.4];

@@ -10,7 +10,7 @@ fn with_setup() -> Folder {
     Folder::new().with("setup.toml", SETUP)
 }
 
-const SCENE: &str = "\
+pub(crate) const SCENE: &str = "\
 [background]
 level = 200
 [[bar]]
