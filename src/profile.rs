@@ -29,13 +29,11 @@ struct Fit {
     /// Column minus the expected one.
     shift_q16: i64,
     width_q12: i64,
-    /// Contrast as a part of the expected one, in 1/256.
-    amplitude_q8: i64,
     /// Residual variance of a pixel.
     residual_q16: i64,
     sigma_q16: i64,
-    /// The row's own.
-    levels_q16: [Option<u32>; 2],
+    /// The row's own levels minus the mean ones.
+    off_q16: [i64; 2],
 }
 
 /// Of a sharp lens, half a pixel, and the pixel itself.
@@ -43,6 +41,8 @@ const LEAST_BLUR_Q8: u16 = 148;
 /// What an edge is taken to be blurred at least before more is known.
 const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
+/// Beyond this a row's first look tells the blur only roughly.
+const LONG_BLUR_Q8: u16 = 2 << 8;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +54,19 @@ pub(crate) struct Neighbours {
 impl Neighbours {
     /// None near enough to matter.
     pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+
+    /// The nearest to an edge among those of its row.
+    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
+        let mut around = Self::NONE;
+        for column_q16 in edges.map(|other| other.column_q16) {
+            if column_q16 < edge.column_q16 {
+                around.left_q16 = around.left_q16.max(i64::from(column_q16));
+            } else if column_q16 > edge.column_q16 {
+                around.right_q16 = around.right_q16.min(i64::from(column_q16));
+            }
+        }
+        around
+    }
 }
 
 /// Pixels of plateau on either side that tell its level.
@@ -67,15 +80,40 @@ impl Profile {
     /// From an edge that a row shows on its own.
     pub(crate) fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
         let blur_q8 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8);
-        let reach_q8 = Template::new(blur_q8).reach_q8();
+        let reach_q8 = Template::new(blur_q8).clear_q8();
         let side = |side| plateau(pixels, edge.column_q16, reach_q8, side, around);
-        let levels_q16 = [side(Side::Left)?.level_q16(), side(Side::Right)?.level_q16()];
+        let levels_q16 = [side(Side::Left)?, side(Side::Right)?];
         let noise_q16 = noise_q8.saturating_mul(noise_q8);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let noise_q16 = noise_q16.max(LEAST_NOISE_Q16);
-        let profile = Self { levels_q16, blur_q12: blur_q8 << 4, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        let mut profile = Self { levels_q16, blur_q12: blur_q8 << 4, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        if blur_q8 > LONG_BLUR_Q8 {
+            profile.settle(pixels, i64::from(edge.column_q16), around);
+        }
         let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
         (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
+    }
+
+    /// Levels and blur of one row, each from the other: a long blur's width is only guessed at first, and levels taken from
+    /// its flanks would be remembered for long.
+    fn settle(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) {
+        let mut column_q16 = column_q16;
+        for _ in 0..4 {
+            let Some(fit) = i32::try_from(column_q16).ok().and_then(|column| self.fit(pixels, column, around)) else {
+                return;
+            };
+            let blur_q16 = i64::from(self.blur_q12) << 4;
+            column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
+            self.levels_q16.iter_mut().zip(fit.off_q16).for_each(|(level_q16, off_q16)| add(level_q16, off_q16, 1));
+            self.widen(fit.width_q12, 1);
+        }
+    }
+
+    /// One part of `parts` of the way to another blur.
+    fn widen(&mut self, width_q12: i64, parts: i64) {
+        let blur_q12 = i64::from(self.blur_q12);
+        let wider_q12 = width_q12.clamp(blur_q12 / 2, 2 * blur_q12);
+        self.blur_q12 = toward(self.blur_q12, wider_q12, parts).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
     }
 
     fn level_q8(&self, side: Side) -> i64 {
@@ -116,7 +154,6 @@ impl Profile {
             fit.shift_q16 += nearer - expected_q16;
         }
         let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4)
-            && (128..=512).contains(&fit.amplitude_q8)
             && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
         if !fits {
             return None;
@@ -134,7 +171,6 @@ impl Profile {
 
     fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
         let template = Template::new(self.blur_q8());
-        let reach_q16 = template.reach_q8() << 8;
         let expected = i64::from(expected_q16);
         // Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
         let clear_q16 = (2 * i64::from(self.blur_q8()) + 256) << 8;
@@ -144,64 +180,52 @@ impl Profile {
         if !alone {
             return None;
         }
-        // Half the way to a neighbour is this edge's own.
-        let from = ((expected - reach_q16).max((expected + around.left_q16) / 2) + 65535) >> 16;
-        let to = ((expected + reach_q16).min((expected + around.right_q16) / 2) >> 16) + 1;
-        let (from, to) = (from.max(0), to.min(pixels.len() as i64));
+        let (from_q16, to_q16) = view(expected, template.clear_q8() << 8, around);
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
         let window = pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?)?;
-        let plateaus =
-            [Side::Left, Side::Right].map(|side| plateau(pixels, expected_q16, template.reach_q8(), side, around));
-        let [left_plateau, right_plateau] = &plateaus;
-        let left = self.level(left_plateau.as_ref(), Side::Left);
-        let right = self.level(right_plateau.as_ref(), Side::Right);
-        let contrast = right - left;
-        // The same kind of edge: half to twice as strong, of the same sign.
-        let usual = i64::from(self.contrast_q8());
-        if contrast * usual.signum() * 2 < usual.abs() || contrast.abs() > 2 * usual.abs() {
+        let off_q8 = (from << 8) - (expected >> 8);
+        let (usual, mean_q8) =
+            (i64::from(self.contrast_q8()), [Side::Left, Side::Right].map(|side| self.level_q8(side)));
+        let mut sums = Sums::over(window, off_q8, &template, mean_q8);
+        let off_q16 = sums.levels_off_q16();
+        let [left_q8, right_q8] = self.departure(off_q16);
+        let [left_mean_q8, right_mean_q8] = mean_q8;
+        if left_q8 != 0 || right_q8 != 0 {
+            sums = Sums::over(window, off_q8, &template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+        }
+        let contrast = usual + right_q8 - left_q8;
+        // The same kind of edge: not so much weaker that it would only add noise, and at most twice as strong.
+        if contrast * usual.signum() * 4 < usual.abs() * 3 || contrast.abs() > 2 * usual.abs() {
             return None;
         }
-        let middle_q8 = (left + right) / 2;
-        let mut sums = Sums::default();
-        for (index, pixel) in window.iter().enumerate() {
-            let place = template.at(((from + index as i64) << 8) - i64::from(expected_q16 >> 8));
-            let value_q8 = i64::from(*pixel) << 8;
-            let expected_q8 = left + ((contrast * place.step) >> 15);
-            sums.add(value_q8 - expected_q8, &place, value_q8 - middle_q8);
-        }
-        let count = window.len() as i64;
         // Both flanks must be in view.
-        if count < 4 || sums.slope_slope < (1 << 24) {
+        if sums.pixels < 4 || sums.slope_slope < 1 << 24 {
             return None;
         }
-        let box_q16 = template.box_q8 << 8;
-        let shift_q16 = (-box_q16 * sums.residual_slope).checked_div(contrast * (sums.slope_slope >> 15))?;
+        let (box_q16, slope_slope) = (template.box_q8 << 8, sums.slope_slope >> 15);
+        let shift_q16 = (-box_q16 * sums.residual_slope).checked_div(contrast * slope_slope)?;
         let widening_q12 = (16 * template.per_widening_q8 * sums.residual_widening)
             .checked_div(contrast * (sums.widening_widening >> 15).max(1))?;
-        let per_slope = sums.residual_slope.checked_div((sums.slope_slope >> 15).max(1))?;
-        let explained = (per_slope * sums.residual_slope) >> 15;
-        let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 1).max(1);
+        let explained = (sums.residual_slope / slope_slope * sums.residual_slope) >> 15;
         Some(Fit {
             shift_q16,
             width_q12: i64::from(self.blur_q12) + widening_q12,
-            amplitude_q8: ((sums.step_value << 15).checked_div(sums.step_step)? << 8).checked_div(contrast)?,
-            residual_q16,
-            sigma_q16: self.sigma_q16(&sums, box_q16, contrast.abs(), &plateaus)?,
-            levels_q16: plateaus.map(|plateau| plateau.map(|plateau| plateau.level_q16())),
+            residual_q16: (sums.residual_residual - explained).max(0) / (sums.pixels - 1),
+            sigma_q16: self.sigma_q16(&sums, box_q16, contrast.abs())?,
+            off_q16,
         })
     }
 
     /// Of the column: of the noise on the flank and on the plateaus, whose levels shift the edge when they are wrong. Levels
     /// are remembered over rows, but what they are off then shifts all these rows alike: for a line it comes to the same as
     /// each row's own levels.
-    fn sigma_q16(&self, sums: &Sums, box_q16: i64, contrast_q8: i64, plateaus: &[Option<Plateau>; 2]) -> Option<i64> {
+    fn sigma_q16(&self, sums: &Sums, box_q16: i64, contrast_q8: i64) -> Option<i64> {
         let noise_q8 = i64::from(self.noise_q16.isqrt());
-        let of_flank =
-            ((noise_q8 * box_q16) << 15).checked_div(contrast_q8 * (sums.slope_slope as u64).isqrt() as i64)?;
-        // Of a level off by one grey level.
-        let per_grey_q16 = ((box_q16 << 7) * sums.slope).checked_div(contrast_q8 * (sums.slope_slope >> 15).max(1))?;
-        let pixels = |plateau: &Option<Plateau>| plateau.as_ref().map_or(1, |plateau| plateau.pixels.max(1));
-        let share_q16: u32 = plateaus.iter().map(|plateau| 65536 / pixels(plateau)).sum();
-        let of_levels = (per_grey_q16 * noise_q8 * i64::from(share_q16.isqrt())) >> 16;
+        let of_flank = ((noise_q8 * box_q16) << 15).checked_div(contrast_q8 * root(sums.slope_slope))?;
+        // Of a level that is off by one grey level.
+        let per_grey_q16 = ((box_q16 << 7) * sums.slope).checked_div(contrast_q8 * (sums.slope_slope >> 15))?;
+        let share_q16: i64 = sums.plateaus.iter().map(|plateau| 65536 / plateau.pixels.max(1)).sum();
+        let of_levels = (per_grey_q16 * noise_q8 * root(share_q16)) >> 16;
         // Beside texture, no plateau tells the level at the edge.
         let restless =
             self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
@@ -209,39 +233,35 @@ impl Profile {
         Some(root(of_flank * of_flank + of_levels * of_levels + of_texture * of_texture))
     }
 
+    /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
+    /// another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
+    fn departure(&self, off_q16: [i64; 2]) -> [i64; 2] {
+        let noise_q16 = i64::from(self.noise_q16.isqrt()) << 8;
+        let ([left, right], [left_unrest, right_unrest]) = (off_q16, self.unrest_q8);
+        // Three sigma of a mean over four pixels.
+        let of = |off_q16: i64, unrest_q8| {
+            let departs = self.is_restless(unrest_q8) || off_q16.abs() > noise_q16 * 3 / 2;
+            if departs { off_q16 >> 8 } else { 0 }
+        };
+        [of(left, left_unrest), of(right, right_unrest)]
+    }
+
     /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
     fn is_restless(&self, unrest_q8: u16) -> bool {
         u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
-    }
-
-    /// The level to expect: the running mean, or the row's own where it is another one, as at the end of an object, where its
-    /// brightness fades and the mean would shift the edge.
-    fn level(&self, row: Option<&Plateau>, side: Side) -> i64 {
-        let noise_q8 = i64::from(self.noise_q16.isqrt());
-        let [left_unrest, right_unrest] = self.unrest_q8;
-        let unrest_q8 = if side == Side::Left { left_unrest } else { right_unrest };
-        let mean_q8 = self.level_q8(side);
-        match row.map(|plateau| i64::from(plateau.level_q16() >> 8)) {
-            // Three sigma of a mean over four pixels.
-            Some(row) if self.is_restless(unrest_q8) || (row - mean_q8).abs() > noise_q8 * 3 / 2 => row,
-            _ => mean_q8,
-        }
     }
 
     /// Running means: a small part of each new row, more at first.
     fn learn(&mut self, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
         let rows = i64::from(self.rows);
-        for ((mean_q16, unrest_q8), row_q16) in self.levels_q16.iter_mut().zip(&mut self.unrest_q8).zip(fit.levels_q16)
-        {
-            if let Some(row_q16) = row_q16 {
-                *unrest_q8 = toward(*unrest_q8, i64::from(row_q16.abs_diff(*mean_q16) >> 8), rows.min(16));
-                *mean_q16 = toward(*mean_q16, i64::from(row_q16), rows.min(32));
-            }
+        // A few rows of something else are no texture.
+        let most_q8 = 4 * i64::from(self.white_q8);
+        for ((mean_q16, unrest_q8), off_q16) in self.levels_q16.iter_mut().zip(&mut self.unrest_q8).zip(fit.off_q16) {
+            *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
+            add(mean_q16, off_q16, rows.min(32));
         }
-        let blur_q12 = i64::from(self.blur_q12);
-        let wider_q12 = fit.width_q12.clamp(blur_q12 / 2, 2 * blur_q12);
-        self.blur_q12 = toward(self.blur_q12, wider_q12, rows.min(16)).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
+        self.widen(fit.width_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
         self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
@@ -249,53 +269,99 @@ impl Profile {
 }
 
 /// One part of `parts` of the way to `to`.
-fn toward<T: Copy + Into<i64> + TryFrom<i64>>(from: T, to: i64, parts: i64) -> T {
-    let value: i64 = from.into();
-    T::try_from(value + (to - value) / parts.max(1)).unwrap_or(from)
+fn toward(from: u16, to: i64, parts: i64) -> u16 {
+    let value = i64::from(from);
+    (value + (to - value) / parts.max(1)).clamp(0, i64::from(u16::MAX)) as u16
+}
+
+/// Adds one part of `parts` to a level, in 1/65536 grey level.
+fn add(level_q16: &mut u32, off_q16: i64, parts: i64) {
+    *level_q16 = (i64::from(*level_q16) + off_q16 / parts.max(1)).clamp(0, 255 << 16) as u32;
 }
 
 fn root(square: i64) -> i64 {
     (square.max(0) as u64).isqrt() as i64
 }
 
-/// Inner products of residual, slope of the profile, its change with the width, and the step itself; and the slopes' sum.
+/// Inner products of residual, slope of the profile, and its change with the width, over the flank; the residuals beyond.
 #[derive(Default)]
 struct Sums {
+    pixels: i64,
     residual_residual: i64,
     residual_slope: i64,
     residual_widening: i64,
     slope: i64,
     slope_slope: i64,
     widening_widening: i64,
-    step_step: i64,
-    step_value: i64,
+    plateaus: [Plateau; 2],
+}
+
+/// Residuals on one side, beyond the blur.
+#[derive(Default)]
+struct Plateau {
+    pixels: i64,
+    residual_q8: i64,
 }
 
 impl Sums {
-    fn add(&mut self, residual: i64, place: &Place, value: i64) {
-        let step = place.step - (1 << 14);
+    /// Over a window whose first pixel lies `off_q8` from the expected column, given the levels to expect.
+    fn over(window: &[u8], off_q8: i64, template: &Template, [left_q8, right_q8]: [i64; 2]) -> Self {
+        let mut sums = Self::default();
+        let contrast = right_q8 - left_q8;
+        // At least the outermost pixels tell the levels.
+        let last_q8 = off_q8 + (window.len() as i64 - 1) * 256;
+        let left_of_q8 = off_q8.max(-template.clear_q8());
+        let right_of_q8 = last_q8.min(template.clear_q8());
+        let mut at_q8 = off_q8;
+        for pixel in window {
+            let place = template.at(at_q8);
+            let residual = (i64::from(*pixel) << 8) - left_q8 - ((contrast * place.step) >> 15);
+            let [left, right] = &mut sums.plateaus;
+            if at_q8 <= left_of_q8 {
+                left.add(residual);
+            } else if at_q8 >= right_of_q8 {
+                right.add(residual);
+            }
+            if place.slope != 0 {
+                sums.add(residual, &place);
+            }
+            at_q8 += 256;
+        }
+        sums
+    }
+
+    fn add(&mut self, residual: i64, place: &Place) {
+        self.pixels += 1;
         self.residual_residual += residual * residual;
         self.residual_slope += residual * place.slope;
         self.residual_widening += residual * place.widening;
         self.slope += place.slope;
         self.slope_slope += place.slope * place.slope;
         self.widening_widening += place.widening * place.widening;
-        self.step_step += step * step;
-        self.step_value += step * value;
     }
-}
 
-/// Pixels beyond the blur on one side.
-struct Plateau {
-    sum: u32,
-    pixels: u32,
+    /// The row's own levels minus the expected ones.
+    fn levels_off_q16(&self) -> [i64; 2] {
+        let [left, right] = &self.plateaus;
+        [left, right].map(|plateau| (plateau.residual_q8 << 8) / plateau.pixels.max(1))
+    }
 }
 
 impl Plateau {
-    /// Their mean brightness, in 1/65536 grey level.
-    fn level_q16(&self) -> u32 {
-        (self.sum << 16).checked_div(self.pixels).unwrap_or(0)
+    fn add(&mut self, residual_q8: i64) {
+        self.pixels += 1;
+        self.residual_q8 += residual_q8;
     }
+}
+
+/// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
+/// half the way to it.
+fn view(column_q16: i64, reach_q16: i64, around: Neighbours) -> (i64, i64) {
+    // The longer the blur, the more a wrong level shifts the edge.
+    let far_q16 = 2 * reach_q16 + (PLATEAU << 16);
+    let left = (around.left_q16 + reach_q16).min((column_q16 + around.left_q16) / 2);
+    let right = (around.right_q16 - reach_q16).max((column_q16 + around.right_q16) / 2);
+    ((column_q16 - far_q16).max(left), (column_q16 + far_q16).min(right))
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -304,29 +370,19 @@ enum Side {
     Right,
 }
 
-/// The pixels beyond the blur on one side: up to where a neighbour's blur begins, or the pixel half way to it where the two
-/// blurs meet.
-fn plateau(pixels: &[u8], column_q16: i32, reach_q8: i64, side: Side, around: Neighbours) -> Option<Plateau> {
+/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
+fn plateau(pixels: &[u8], column_q16: i32, reach_q8: i64, side: Side, around: Neighbours) -> Option<u32> {
     let column = i64::from(column_q16);
-    let clear_q16 = reach_q8 << 8;
-    // The longer the blur, the more a wrong level shifts the edge.
-    let length_q16 = (PLATEAU << 16) + clear_q16;
-    let (near, far, half_way) = match side {
-        Side::Left => {
-            let near = column - clear_q16;
-            (near, (near - length_q16).max(around.left_q16 + clear_q16), (column + around.left_q16) / 2)
-        }
-        Side::Right => {
-            let near = column + clear_q16;
-            (near, (near + length_q16).min(around.right_q16 - clear_q16), (column + around.right_q16) / 2)
-        }
+    let reach_q16 = reach_q8 << 8;
+    let (left, right) = view(column, reach_q16, around);
+    let (from, to) = match side {
+        Side::Left => (left, (column - reach_q16).max(left)),
+        Side::Right => ((column + reach_q16).min(right), right),
     };
-    let room = if side == Side::Left { near >= far } else { near <= far };
-    let (from, to) = if room { (near.min(far), near.max(far)) } else { (half_way, half_way) };
     let from = ((from + (1 << 15)) >> 16).max(0);
     let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
     let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
     // Fewer than 256 pixels: the sum fits 16 bits.
-    let sum = window.iter().map(|pixel| u32::from(*pixel)).sum();
-    Some(Plateau { sum, pixels: window.len() as u32 }).filter(|plateau| plateau.pixels > 0)
+    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
+    (sum << 16).checked_div(window.len() as u32)
 }

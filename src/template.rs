@@ -36,6 +36,8 @@ const LENS_VARIANCE_Q16: i64 = 32113;
 const LEAST_LENS_Q8: i64 = 40;
 /// Sigmas of the Gauss beyond which the template is taken to be 0 or 1.
 const TAIL_SIGMAS: i64 = 3;
+/// Those beyond which a level can be told.
+const CLEAR_SIGMAS: i64 = 2;
 
 impl Template {
     /// Of an edge whose blur has this standard deviation, the pixel's own included.
@@ -56,14 +58,22 @@ impl Template {
     }
 
     /// Half the width of what is neither 0 nor 1, in 1/256 px.
-    pub(crate) fn reach_q8(&self) -> i64 {
+    const fn reach_q8(&self) -> i64 {
         self.box_q8 / 2 + TAIL_SIGMAS * self.lens_q8
+    }
+
+    /// Where the plateaus begin that tell the levels: what the template still changes there is known.
+    pub(crate) const fn clear_q8(&self) -> i64 {
+        self.box_q8 / 2 + CLEAR_SIGMAS * self.lens_q8
     }
 
     /// `off_q8` from the middle of the step.
     ///
     /// With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b, and of J the part max(z, 0) is taken apart.
     pub(crate) fn at(&self, off_q8: i64) -> Place {
+        if off_q8.abs() >= self.reach_q8() {
+            return Place { step: if off_q8 < 0 { 0 } else { 1 << 15 }, slope: 0, widening: 0 };
+        }
         let (ahead_q8, behind_q8) = (off_q8 + self.box_q8 / 2, off_q8 + self.box_q8 / 2 - self.box_q8);
         let ahead = Normal::at((ahead_q8 * self.per_lens_q24) >> 16);
         let behind = Normal::at((behind_q8 * self.per_lens_q24) >> 16);
