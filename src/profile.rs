@@ -55,10 +55,11 @@ impl Neighbours {
     /// None near enough to matter.
     pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
 
-    /// The nearest to an edge among those of its row.
+    /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
+    /// noise breaks a long blur.
     pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
         let mut around = Self::NONE;
-        for column_q16 in edges.map(|other| other.column_q16) {
+        for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
             if column_q16 < edge.column_q16 {
                 around.left_q16 = around.left_q16.max(i64::from(column_q16));
             } else if column_q16 > edge.column_q16 {
@@ -203,8 +204,9 @@ impl Profile {
             return None;
         }
         let (box_q16, slope_slope) = (template.box_q8 << 8, sums.slope_slope >> 15);
-        let shift_q16 = (-box_q16 * sums.residual_slope).checked_div(contrast * slope_slope)?;
-        let widening_q12 = (16 * template.per_widening_q8 * sums.residual_widening)
+        let [residual_slope, residual_widening] = sums.with_own_levels();
+        let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
+        let widening_q12 = (16 * template.per_widening_q8 * residual_widening)
             .checked_div(contrast * (sums.widening_widening >> 15).max(1))?;
         let explained = (sums.residual_slope / slope_slope * sums.residual_slope) >> 15;
         Some(Fit {
@@ -216,9 +218,7 @@ impl Profile {
         })
     }
 
-    /// Of the column: of the noise on the flank and on the plateaus, whose levels shift the edge when they are wrong. Levels
-    /// are remembered over rows, but what they are off then shifts all these rows alike: for a line it comes to the same as
-    /// each row's own levels.
+    /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong.
     fn sigma_q16(&self, sums: &Sums, box_q16: i64, contrast_q8: i64) -> Option<i64> {
         let noise_q8 = i64::from(self.noise_q16.isqrt());
         let of_flank = ((noise_q8 * box_q16) << 15).checked_div(contrast_q8 * root(sums.slope_slope))?;
@@ -292,7 +292,10 @@ struct Sums {
     residual_widening: i64,
     slope: i64,
     slope_slope: i64,
+    slope_step: i64,
+    widening: i64,
     widening_widening: i64,
+    widening_step: i64,
     plateaus: [Plateau; 2],
 }
 
@@ -337,7 +340,22 @@ impl Sums {
         self.residual_widening += residual * place.widening;
         self.slope += place.slope;
         self.slope_slope += place.slope * place.slope;
+        self.slope_step += (place.slope * place.step) >> 15;
+        self.widening += place.widening;
         self.widening_widening += place.widening * place.widening;
+        self.widening_step += (place.widening * place.step) >> 15;
+    }
+
+    /// Products of the residual with slope and widening, had the row's own levels been expected.
+    ///
+    /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
+    /// and each row for itself knows neither lag nor drift, and no bad start.
+    fn with_own_levels(&self) -> [i64; 2] {
+        let [left_q8, right_q8] = self.levels_off_q16().map(|off_q16| off_q16 >> 8);
+        [
+            self.residual_slope - left_q8 * (self.slope - self.slope_step) - right_q8 * self.slope_step,
+            self.residual_widening - left_q8 * (self.widening - self.widening_step) - right_q8 * self.widening_step,
+        ]
     }
 
     /// The row's own levels minus the expected ones.
