@@ -43,6 +43,8 @@ const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
 /// Beyond this a row's first look tells the blur only roughly.
 const LONG_BLUR_Q8: u16 = 4 << 8;
+/// Of [`Profile::settled`].
+const MOST_STEPS: usize = 6;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -79,39 +81,44 @@ const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
 impl Profile {
     /// From an edge that a row shows on its own.
-    pub(crate) fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
-        let blur_q8 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8);
-        let reach_q16 = i64::from(Template::new(blur_q8).reach_q8()) << 8;
-        let side = |side| plateau(pixels, edge.column_q16, reach_q16, side, around);
-        let levels_q16 = [side(Side::Left)?, side(Side::Right)?];
-        let noise_q16 = noise_q8.saturating_mul(noise_q8);
+    fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
-        let noise_q16 = noise_q16.max(LEAST_NOISE_Q16);
-        let mut profile = Self { levels_q16, blur_q12: blur_q8 << 4, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
-        if blur_q8 > LONG_BLUR_Q8 {
-            profile.settle(pixels, i64::from(edge.column_q16), around);
-        }
-        let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
-        (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
+        let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
+        let mut profile = Self { levels_q16: [0; 2], blur_q12, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        profile.look_beside(pixels, i64::from(edge.column_q16), around)?;
+        profile.is_of(edge).then_some(profile)
     }
 
-    /// Levels and blur of one row, each from the other: a long blur's width is only guessed at first, and levels taken from
-    /// its flanks would be remembered for long.
-    fn settle(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) {
-        let mut column_q16 = column_q16;
-        for _ in 0..4 {
-            let Some(fit) = i32::try_from(column_q16).ok().and_then(|column| self.fit(pixels, column, around)) else {
-                return;
-            };
-            let blur_q16 = i64::from(self.blur_q12) << 4;
+    /// The same with levels and blur of that row found each from the other: a long blur's width is only guessed at first, and
+    /// noise may have broken it into pieces.
+    pub(crate) fn settled(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+        let mut column_q16 = i64::from(edge.column_q16);
+        for _ in 0..MOST_STEPS {
+            let fit = profile.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
+            let (blur_q12, blur_q16) = (profile.blur_q12, i64::from(profile.blur_q12) << 4);
             column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
-            self.levels_q16.iter_mut().zip(fit.off_q16).for_each(|(level_q16, off_q16)| add(level_q16, off_q16, 1));
-            let before_q12 = self.blur_q12;
-            self.widen(fit.width_q12, 1);
-            if self.blur_q12.abs_diff(before_q12) < before_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
-                return;
+            profile.widen(fit.width_q12, 1);
+            profile.look_beside(pixels, column_q16, around)?;
+            if profile.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
+                break;
             }
         }
+        profile.is_of(edge).then_some(profile)
+    }
+
+    /// Takes the levels from the plateaus of a row.
+    fn look_beside(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) -> Option<()> {
+        let reach_q16 = i64::from(Template::new(self.blur_q8()).reach_q8()) << 8;
+        let side = |side| plateau(pixels, column_q16, reach_q16, side, around);
+        self.levels_q16 = [side(Side::Left)?, side(Side::Right)?];
+        Some(())
+    }
+
+    fn is_of(&self, edge: &Edge) -> bool {
+        let polarity = if self.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
+        polarity == edge.polarity && self.contrast_q8().abs() >= LEAST_CONTRAST_Q8
     }
 
     /// One part of `parts` of the way to another blur.
@@ -136,7 +143,8 @@ impl Profile {
 
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
     pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
-        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+        let learn = if edge.width_q8 > LONG_BLUR_Q8 { Self::settled } else { Self::new };
+        let mut profile = learn(pixels, edge, around, noise_q8)?;
         let found = profile.locate(pixels, i64::from(edge.column_q16), i64::from(u16::MAX), around)?;
         let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
         Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
@@ -391,8 +399,7 @@ enum Side {
 }
 
 /// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
-fn plateau(pixels: &[u8], column_q16: i32, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
-    let column = i64::from(column_q16);
+fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
     let (left, right) = view(column, reach_q16, around);
     let (from, to) = match side {
         Side::Left => (left, (column - reach_q16).max(left)),
