@@ -208,7 +208,7 @@ impl Profile {
             return None;
         }
         // Both flanks must be in view.
-        if sums.pixels < 4 || sums.slope_slope < 1 << 24 {
+        if sums.pixels < 3 || sums.slope_slope < 1 << 24 {
             return None;
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
@@ -411,4 +411,101 @@ fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neigh
     // Fewer than 256 pixels: the sum fits 16 bits.
     let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
     (sum << 16).checked_div(window.len() as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::{Neighbours, Profile};
+    use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
+    use crate::{Camera, Distortion, Edge, Intrinsics, Line, Readout, Scanner, Twist};
+
+    const ROWS: u16 = 240;
+    const FOCAL_PX: f32 = 300.0;
+    const SPEED_M_S: f32 = 1.5;
+
+    /// What came out of the rows of one edge.
+    struct Outcome {
+        mean_width_px: f64,
+        /// Standard deviations of the rows' columns and widths, and what is stated for the column.
+        column_px: f64,
+        width_px: f64,
+        stated_px: f64,
+    }
+
+    fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
+        let count = values.clone().count() as f64;
+        let mean = values.clone().sum::<f64>() / count;
+        libm::sqrt(values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0))
+    }
+
+    /// An edge 1 m away that a lens blurs and the exposure smears over `path_px`, row after row where it is.
+    fn follow(lens_px: f32, path_px: f32, seed: u64) -> Outcome {
+        let camera = Camera::new(Intrinsics::centred(320, ROWS, FOCAL_PX), Distortion::NONE).unwrap();
+        let readout = Readout::from_frame_readout_ns(ROWS, 33_333_333, Default::default()).unwrap();
+        let exposure = Exposure {
+            time_s: path_px / (FOCAL_PX * SPEED_M_S),
+            psf_sigma_px: lens_px,
+            read_noise: 2.0,
+            shot_gain: 0.03,
+        };
+        let mut scene = Scene::<1>::new(Background::plain(60.0)).unwrap();
+        scene.push(Bar::upright(2.02, 1.0, 4.0, 170.0)).unwrap();
+        let motion = Twist::level([SPEED_M_S, 0.0, 0.0]).unwrap();
+        let simulator = Simulator::new(&scene, &camera, &readout, &motion, exposure, seed).unwrap();
+        let column = |row| {
+            let time_s = readout.row_time_ns(row) as f64 * 1e-9;
+            159.5 + f64::from(FOCAL_PX) * (0.02 - f64::from(SPEED_M_S) * time_s)
+        };
+        let (mut scanner, mut pixels) = (Scanner::new(), [0; 320]);
+        simulator.row(0, &mut pixels);
+        let mut first = Edge::new(0, 0, 0);
+        scanner.scan(&pixels, |edge| first = edge.at(0, 0));
+        let mut profile = Profile::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
+        let mut line: Line<16> = Line::new(first);
+        let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
+        for row in 1..ROWS {
+            simulator.row(row, &mut pixels);
+            let expected_q16 = (column(row) * 65536.0) as i64;
+            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, Neighbours::NONE) else { std::println!("row {row} none"); continue };
+            let off_px = f64::from(edge.column_q16) / 65536.0 - column(row);
+            let sigma_px = f64::from(edge.sigma_q16) / 65536.0;
+            found[usize::from(row)] = (off_px, f64::from(edge.width_q8) / 256.0, sigma_px);
+            line.push(edge.at(row, readout.row_time_ns(row))).unwrap();
+        }
+        // As the line's mean, which leaves the rows out in which the profile settles.
+        let settled = &found[16..];
+        Outcome {
+            mean_width_px: line.mean_width_px().unwrap(),
+            column_px: deviation(settled.iter().map(|row| row.0)),
+            width_px: deviation(settled.iter().map(|row| row.1)),
+            stated_px: settled.iter().map(|row| row.2).sum::<f64>() / settled.len() as f64,
+        }
+    }
+
+    /// The width is a measurement of its own: unbiased whatever the lens and the motion, of stated noise, and a line's mean
+    /// of n rows has √n times less.
+    #[test]
+    fn width_and_its_noise() {
+        const LINES: u8 = 12;
+        for lens_px in [0.5, 0.7, 1.0] {
+            for path_px in [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 28.0] {
+                let variance = lens_px * lens_px + (1.0 + path_px * path_px) / 12.0;
+                let width_px = libm::sqrt(f64::from(variance));
+                let lines = || (1..=LINES).map(|seed| follow(lens_px, path_px, seed.into()));
+                let mean =
+                    |value: fn(&Outcome) -> f64| lines().map(|line| value(&line)).sum::<f64>() / f64::from(LINES);
+                let bias = mean(|line| line.mean_width_px) / width_px - 1.0;
+                let column = mean(|line| line.column_px) / mean(|line| line.stated_px);
+                let width = mean(|line| line.width_px) / mean(|line| line.stated_px);
+                let line =
+                    deviation(lines().map(|line| line.mean_width_px).collect::<heapless::Vec<_, 12>>().into_iter());
+                let line = line / mean(|line| line.width_px) * libm::sqrt(f64::from(ROWS - 16));
+                std::println!(
+                    "lens {lens_px}, path {path_px}: bias {bias:+.4}, column {column:.3}, width {width:.3} of the stated sigma, line {line:.2} of its rows'"
+                );
+            }
+        }
+    }
 }
