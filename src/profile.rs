@@ -212,10 +212,11 @@ impl Profile {
             return None;
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
-        let [residual_slope, residual_widening] = sums.with_own_levels();
+        let residual_slope = sums.residual_slope();
+        let (residual_widening, widening_widening) = sums.widening();
         let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
         let widening_q12 = (16 * i64::from(template.per_widening_q8) * residual_widening)
-            .checked_div(contrast * (sums.widening_widening >> 15).max(1))?;
+            .checked_div(contrast * widening_widening.max(1))?;
         let explained = (sums.residual_slope / slope_slope * sums.residual_slope) >> 15;
         Some(Fit {
             shift_q16,
@@ -350,6 +351,10 @@ struct Sums {
     slope_slope: i64,
     widening_widening: i64,
     widening_step: i64,
+    residual_shape: i64,
+    shape_shape: i64,
+    shape_step: i64,
+    widening_shape: i64,
     plateau_pixels: [i64; 2],
     /// The row's own levels minus the expected ones.
     off_q16: [i64; 2],
@@ -366,19 +371,37 @@ impl Sums {
         self.slope_slope += slope * slope;
         self.widening_widening += widening * widening;
         self.widening_step += widening * (step - (1 << 14));
+        if place.shape != 0 {
+            let shape = i64::from(place.shape);
+            self.residual_shape += residual * shape;
+            self.shape_shape += shape * shape;
+            self.shape_step += shape * (step - (1 << 14));
+            self.widening_shape += widening * shape;
+        }
     }
 
-    /// Products of the residual with slope and widening, had the row's own levels been expected: of the slope's sum half
-    /// belongs to either level, and widening changes sign in the middle.
+    /// Product of the residual with the slope, had the row's own levels been expected: of the slope's sum half belongs to
+    /// either level.
     ///
     /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
     /// and each row for itself knows neither lag nor drift, and no bad start.
-    fn with_own_levels(&self) -> [i64; 2] {
+    fn residual_slope(&self) -> i64 {
         let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
-        [
-            self.residual_slope - (left_q8 + right_q8) * self.slope / 2,
-            self.residual_widening - (((right_q8 - left_q8) * self.widening_step) >> 15),
-        ]
+        self.residual_slope - (left_q8 + right_q8) * self.slope / 2
+    }
+
+    /// Products of the widening with the residual (likewise; it changes sign in the middle) and with itself, without what
+    /// another lens would explain.
+    fn widening(&self) -> (i64, i64) {
+        let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        let own = |residual: i64, step: i64| residual - (((right_q8 - left_q8) * step) >> 15);
+        let of_widening = own(self.residual_widening, self.widening_step);
+        let of_shape = own(self.residual_shape, self.shape_step);
+        let part_q15 = self.widening_shape.checked_div(self.shape_shape >> 15).unwrap_or(0);
+        (
+            of_widening - ((of_shape * part_q15) >> 15),
+            (self.widening_widening >> 15) - (((self.widening_shape >> 15) * part_q15) >> 15),
+        )
     }
 }
 
@@ -415,8 +438,6 @@ fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neigh
 
 #[cfg(test)]
 mod tests {
-    extern crate std;
-
     use super::{Neighbours, Profile};
     use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
     use crate::{Camera, Distortion, Edge, Intrinsics, Line, Readout, Scanner, Twist};
@@ -424,6 +445,8 @@ mod tests {
     const ROWS: u16 = 240;
     const FOCAL_PX: f32 = 300.0;
     const SPEED_M_S: f32 = 1.5;
+    /// Rows that may be refused while levels and blur settle.
+    const SETTLING: u16 = 16;
 
     /// What came out of the rows of one edge.
     struct Outcome {
@@ -468,14 +491,17 @@ mod tests {
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
             let expected_q16 = (column(row) * 65536.0) as i64;
-            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, Neighbours::NONE) else { std::println!("row {row} none"); continue };
+            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, Neighbours::NONE) else {
+                assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
+                continue;
+            };
             let off_px = f64::from(edge.column_q16) / 65536.0 - column(row);
             let sigma_px = f64::from(edge.sigma_q16) / 65536.0;
             found[usize::from(row)] = (off_px, f64::from(edge.width_q8) / 256.0, sigma_px);
             line.push(edge.at(row, readout.row_time_ns(row))).unwrap();
         }
         // As the line's mean, which leaves the rows out in which the profile settles.
-        let settled = &found[16..];
+        let settled = &found[SETTLING.into()..];
         Outcome {
             mean_width_px: line.mean_width_px().unwrap(),
             column_px: deviation(settled.iter().map(|row| row.0)),
@@ -499,12 +525,14 @@ mod tests {
                 let bias = mean(|line| line.mean_width_px) / width_px - 1.0;
                 let column = mean(|line| line.column_px) / mean(|line| line.stated_px);
                 let width = mean(|line| line.width_px) / mean(|line| line.stated_px);
-                let line =
-                    deviation(lines().map(|line| line.mean_width_px).collect::<heapless::Vec<_, 12>>().into_iter());
-                let line = line / mean(|line| line.width_px) * libm::sqrt(f64::from(ROWS - 16));
-                std::println!(
-                    "lens {lens_px}, path {path_px}: bias {bias:+.4}, column {column:.3}, width {width:.3} of the stated sigma, line {line:.2} of its rows'"
-                );
+                let means: heapless::Vec<f64, 12> = lines().map(|line| line.mean_width_px).collect();
+                let rows = f64::from(ROWS - SETTLING);
+                let line = deviation(means.into_iter()) * libm::sqrt(rows) / mean(|line| line.width_px);
+                let of = format_args!("lens {lens_px}, path {path_px}");
+                assert!(bias.abs() < 0.01, "{of}: bias {bias:+.4}");
+                assert!((0.92..1.08).contains(&column), "{of}: columns {column:.3} of their sigma");
+                assert!((0.9..2.0).contains(&width), "{of}: widths {width:.3} of the column's sigma");
+                assert!((0.4..1.5).contains(&line), "{of}: a line's width {line:.2} of what its rows' say");
             }
         }
     }

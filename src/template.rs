@@ -14,6 +14,8 @@ pub(crate) struct Template {
     per_box_q24: i32,
     /// What makes the change with the width one per pixel, in 1/256 px.
     pub(crate) per_widening_q8: i32,
+    /// 12 s/b: how much the box changes with the lens at a given width.
+    box_per_lens_q8: i32,
 }
 
 /// The template at one place, in 1/32768.
@@ -24,6 +26,8 @@ pub(crate) struct Place {
     pub(crate) slope: i32,
     /// Its change with the width, times [`Template::per_widening_q8`].
     pub(crate) widening: i32,
+    /// Its change where the lens blurs more and the box less, the width being the same; zero where there is no box.
+    pub(crate) shape: i32,
 }
 
 /// One pixel.
@@ -54,7 +58,8 @@ impl Template {
 
     fn with(box_q8: i32, lens_q8: i32, per_box_q24: i32, per_widening_q8: i32) -> Self {
         let per_lens_q20 = (1 << 20) / lens_q8.max(1);
-        Self { box_q8, lens_q8, per_lens_q20, per_box_q24, per_widening_q8: per_widening_q8.max(1) }
+        let box_per_lens_q8 = ((12 * lens_q8) << 8) / box_q8.max(1);
+        Self { box_q8, lens_q8, per_lens_q20, per_box_q24, per_widening_q8: per_widening_q8.max(1), box_per_lens_q8 }
     }
 
     /// Half the width of what is neither 0 nor 1, in 1/256 px: 2.5 sigma of the Gauss beyond the box.
@@ -87,12 +92,14 @@ impl Template {
     fn at(&self, ahead_q8: i32, ahead: &Normal, behind: &Normal) -> Place {
         let area_q23 = (ahead_q8.clamp(0, self.box_q8) << 15) + self.lens_q8 * (ahead.rest - behind.rest);
         let step = ((i64::from(area_q23) * i64::from(self.per_box_q24)) >> 24) as i32;
-        let widening = if self.box_q8 > PIXEL_Q8 {
-            (ahead.below + behind.below) / 2 - step
+        let slope = ahead.below - behind.below;
+        let with_lens = ahead.density() - behind.density();
+        if self.box_q8 > PIXEL_Q8 {
+            let with_box = (ahead.below + behind.below) / 2 - step;
+            Place { step, slope, widening: with_box, shape: with_lens - ((with_box * self.box_per_lens_q8) >> 8) }
         } else {
-            ahead.density() - behind.density()
-        };
-        Place { step, slope: ahead.below - behind.below, widening }
+            Place { step, slope, widening: with_lens, shape: 0 }
+        }
     }
 }
 
