@@ -28,6 +28,8 @@ pub(crate) struct Profile {
 struct Fit {
     /// Column minus the expected one.
     shift_q16: i64,
+    /// Width of the template that fits best, and that of the edge, whatever the lens.
+    template_q12: i64,
     width_q12: i64,
     /// Residual variance of a pixel.
     residual_q16: i64,
@@ -99,7 +101,7 @@ impl Profile {
             let fit = profile.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
             let (blur_q12, blur_q16) = (profile.blur_q12, i64::from(profile.blur_q12) << 4);
             column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
-            profile.widen(fit.width_q12, 1);
+            profile.widen(fit.template_q12, 1);
             profile.look_beside(pixels, column_q16, around)?;
             if profile.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
                 break;
@@ -124,7 +126,7 @@ impl Profile {
     /// One part of `parts` of the way to another blur.
     fn widen(&mut self, width_q12: i64, parts: i64) {
         let blur_q12 = i64::from(self.blur_q12);
-        let wider_q12 = width_q12.clamp(blur_q12 / 2, 2 * blur_q12);
+        let wider_q12 = width_q12.min(2 * blur_q12).max(blur_q12 / 2);
         self.blur_q12 = toward(self.blur_q12, wider_q12, parts).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
     }
 
@@ -213,15 +215,18 @@ impl Profile {
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
         let residual_slope = sums.residual_slope();
-        let (residual_widening, widening_widening) = sums.widening();
         let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
-        let widening_q12 = (16 * i64::from(template.per_widening_q8) * residual_widening)
-            .checked_div(contrast * widening_widening.max(1))?;
-        let explained = (sums.residual_slope / slope_slope * sums.residual_slope) >> 15;
+        let wider_q12 = |(residual, square): (i64, i64)| -> Option<i64> {
+            let off_q12 = 16 * i64::from(template.per_widening_q8) * residual;
+            Some(i64::from(self.blur_q12) + off_q12.checked_div(contrast * square.max(1))?)
+        };
+        let [template_q12, width_q12] = sums.widening().map(wider_q12);
+        let explained = (sums.residual_slope.checked_div(slope_slope)? * sums.residual_slope) >> 15;
         Some(Fit {
             shift_q16,
-            width_q12: i64::from(self.blur_q12) + widening_q12,
-            residual_q16: (sums.residual_residual - explained).max(0) / (sums.pixels - 1),
+            template_q12: template_q12?,
+            width_q12: width_q12?,
+            residual_q16: (sums.residual_residual - explained).max(0).checked_div(sums.pixels - 1)?,
             sigma_q16: self.sigma_q16(&sums, (box_q16 << 8).checked_div(contrast.abs())?)?,
             off_q16,
         })
@@ -272,7 +277,7 @@ impl Profile {
             *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
             add(mean_q16, off_q16, rows.min(32));
         }
-        self.widen(fit.width_q12, rows.min(16));
+        self.widen(fit.template_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
         self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
@@ -390,18 +395,17 @@ impl Sums {
         self.residual_slope - (left_q8 + right_q8) * self.slope / 2
     }
 
-    /// Products of the widening with the residual (likewise; it changes sign in the middle) and with itself, without what
-    /// another lens would explain.
-    fn widening(&self) -> (i64, i64) {
+    /// Products of the widening with the residual (likewise; it changes sign in the middle) and with itself; and the same
+    /// without what another lens would explain, which is less biased and noisier.
+    fn widening(&self) -> [(i64, i64); 2] {
         let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
         let own = |residual: i64, step: i64| residual - (((right_q8 - left_q8) * step) >> 15);
-        let of_widening = own(self.residual_widening, self.widening_step);
-        let of_shape = own(self.residual_shape, self.shape_step);
+        let residual = own(self.residual_widening, self.widening_step);
+        let square = self.widening_widening >> 15;
         let part_q15 = self.widening_shape.checked_div(self.shape_shape >> 15).unwrap_or(0);
-        (
-            of_widening - ((of_shape * part_q15) >> 15),
-            (self.widening_widening >> 15) - (((self.widening_shape >> 15) * part_q15) >> 15),
-        )
+        let of_shape = (own(self.residual_shape, self.shape_step) * part_q15) >> 15;
+        let shared = ((self.widening_shape >> 15) * part_q15) >> 15;
+        [(residual, square), (residual - of_shape, square - shared)]
     }
 }
 

@@ -49,10 +49,15 @@ impl Template {
         let of_motion_q16 = variance_q16 - LENS_VARIANCE_Q16 - PIXEL_VARIANCE_Q16;
         if of_motion_q16 > PIXEL_VARIANCE_Q16 {
             let box_q8 = (12 * of_motion_q16.unsigned_abs()).isqrt() as i32;
-            Self::with(box_q8, LENS_AND_PIXEL_Q8, (1 << 24) / box_q8.max(1), box_q8 * box_q8 / (12 * width_q8))
+            Self::with(
+                box_q8,
+                LENS_AND_PIXEL_Q8,
+                (1 << 24) / box_q8.max(1),
+                (box_q8 * box_q8).checked_div(12 * width_q8).unwrap_or(1),
+            )
         } else {
             let lens_q8 = ((variance_q16 - PIXEL_VARIANCE_Q16).max(0).unsigned_abs().isqrt() as i32).max(LEAST_LENS_Q8);
-            Self::with(PIXEL_Q8, lens_q8, 1 << 16, lens_q8 * PIXEL_Q8 / width_q8)
+            Self::with(PIXEL_Q8, lens_q8, 1 << 16, (lens_q8 * PIXEL_Q8).checked_div(width_q8).unwrap_or(1))
         }
     }
 
@@ -90,7 +95,7 @@ impl Template {
 
     /// With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b, and of J the part max(z, 0) is taken apart.
     fn at(&self, ahead_q8: i32, ahead: &Normal, behind: &Normal) -> Place {
-        let area_q23 = (ahead_q8.clamp(0, self.box_q8) << 15) + self.lens_q8 * (ahead.rest - behind.rest);
+        let area_q23 = (ahead_q8.min(self.box_q8).max(0) << 15) + self.lens_q8 * (ahead.rest - behind.rest);
         let step = ((i64::from(area_q23) * i64::from(self.per_box_q24)) >> 24) as i32;
         let slope = ahead.below - behind.below;
         let with_lens = ahead.density() - behind.density();
