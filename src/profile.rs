@@ -28,6 +28,8 @@ pub(crate) struct Profile {
 struct Fit {
     /// Column minus the expected one.
     shift_q16: i64,
+    /// Width of the template that fits best, and that of the edge, whatever the lens.
+    template_q12: i64,
     width_q12: i64,
     /// Residual variance of a pixel.
     residual_q16: i64,
@@ -42,7 +44,9 @@ const LEAST_BLUR_Q8: u16 = 148;
 const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
 /// Beyond this a row's first look tells the blur only roughly.
-const LONG_BLUR_Q8: u16 = 2 << 8;
+const LONG_BLUR_Q8: u16 = 4 << 8;
+/// Of [`Profile::settled`].
+const MOST_STEPS: usize = 6;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -79,51 +83,60 @@ const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
 impl Profile {
     /// From an edge that a row shows on its own.
-    pub(crate) fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
-        let blur_q8 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8);
-        let reach_q8 = Template::new(blur_q8).clear_q8();
-        let side = |side| plateau(pixels, edge.column_q16, reach_q8, side, around);
-        let levels_q16 = [side(Side::Left)?, side(Side::Right)?];
-        let noise_q16 = noise_q8.saturating_mul(noise_q8);
+    fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
-        let noise_q16 = noise_q16.max(LEAST_NOISE_Q16);
-        let mut profile = Self { levels_q16, blur_q12: blur_q8 << 4, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
-        if blur_q8 > LONG_BLUR_Q8 {
-            profile.settle(pixels, i64::from(edge.column_q16), around);
-        }
-        let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
-        (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
+        let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
+        let mut profile = Self { levels_q16: [0; 2], blur_q12, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        profile.look_beside(pixels, i64::from(edge.column_q16), around)?;
+        profile.is_of(edge).then_some(profile)
     }
 
-    /// Levels and blur of one row, each from the other: a long blur's width is only guessed at first, and levels taken from
-    /// its flanks would be remembered for long.
-    fn settle(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) {
-        let mut column_q16 = column_q16;
-        for _ in 0..4 {
-            let Some(fit) = i32::try_from(column_q16).ok().and_then(|column| self.fit(pixels, column, around)) else {
-                return;
-            };
-            let blur_q16 = i64::from(self.blur_q12) << 4;
+    /// The same with levels and blur of that row found each from the other: a long blur's width is only guessed at first, and
+    /// noise may have broken it into pieces.
+    pub(crate) fn settled(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+        let mut column_q16 = i64::from(edge.column_q16);
+        for _ in 0..MOST_STEPS {
+            let fit = profile.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
+            let (blur_q12, blur_q16) = (profile.blur_q12, i64::from(profile.blur_q12) << 4);
             column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
-            self.levels_q16.iter_mut().zip(fit.off_q16).for_each(|(level_q16, off_q16)| add(level_q16, off_q16, 1));
-            self.widen(fit.width_q12, 1);
+            profile.widen(fit.template_q12, 1);
+            profile.look_beside(pixels, column_q16, around)?;
+            if profile.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
+                break;
+            }
         }
+        profile.is_of(edge).then_some(profile)
+    }
+
+    /// Takes the levels from the plateaus of a row.
+    fn look_beside(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) -> Option<()> {
+        let reach_q16 = i64::from(Template::new(self.blur_q8()).reach_q8()) << 8;
+        let side = |side| plateau(pixels, column_q16, reach_q16, side, around);
+        self.levels_q16 = [side(Side::Left)?, side(Side::Right)?];
+        Some(())
+    }
+
+    fn is_of(&self, edge: &Edge) -> bool {
+        let polarity = if self.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
+        polarity == edge.polarity && self.contrast_q8().abs() >= LEAST_CONTRAST_Q8
     }
 
     /// One part of `parts` of the way to another blur.
     fn widen(&mut self, width_q12: i64, parts: i64) {
         let blur_q12 = i64::from(self.blur_q12);
-        let wider_q12 = width_q12.clamp(blur_q12 / 2, 2 * blur_q12);
+        let wider_q12 = width_q12.min(2 * blur_q12).max(blur_q12 / 2);
         self.blur_q12 = toward(self.blur_q12, wider_q12, parts).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
     }
 
-    fn level_q8(&self, side: Side) -> i64 {
-        let [left_q16, right_q16] = self.levels_q16;
-        i64::from(if side == Side::Left { left_q16 } else { right_q16 }) >> 8
+    fn levels_q8(&self) -> [i64; 2] {
+        self.levels_q16.map(|level_q16| i64::from(level_q16 >> 8))
     }
 
     fn contrast_q8(&self) -> i32 {
-        (self.level_q8(Side::Right) - self.level_q8(Side::Left)) as i32
+        let [left_q8, right_q8] = self.levels_q8();
+        (right_q8 - left_q8) as i32
     }
 
     const fn blur_q8(&self) -> u16 {
@@ -132,9 +145,11 @@ impl Profile {
 
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
     pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
-        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+        let learn = if edge.width_q8 > LONG_BLUR_Q8 { Self::settled } else { Self::new };
+        let mut profile = learn(pixels, edge, around, noise_q8)?;
         let found = profile.locate(pixels, i64::from(edge.column_q16), i64::from(u16::MAX), around)?;
-        Some(Edge { column_q16: found.column_q16, sigma_q16: found.sigma_q16 + found.sigma_q16 / 4, ..*edge })
+        let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
+        Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
 
     /// The edge near the expected column, and a better profile; `None` where the row shows something else.
@@ -181,18 +196,13 @@ impl Profile {
         if !alone {
             return None;
         }
-        let (from_q16, to_q16) = view(expected, template.clear_q8() << 8, around);
-        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
-        let window = pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?)?;
-        let off_q8 = (from << 8) - (expected >> 8);
-        let (usual, mean_q8) =
-            (i64::from(self.contrast_q8()), [Side::Left, Side::Right].map(|side| self.level_q8(side)));
-        let mut sums = Sums::over(window, off_q8, &template, mean_q8);
-        let off_q16 = sums.levels_off_q16();
+        let look = Look::new(pixels, expected, &template, around)?;
+        let (usual, [left_mean_q8, right_mean_q8]) = (i64::from(self.contrast_q8()), self.levels_q8());
+        let mut sums = look.sums(&template, [left_mean_q8, right_mean_q8]);
+        let off_q16 = sums.off_q16;
         let [left_q8, right_q8] = self.departure(off_q16);
-        let [left_mean_q8, right_mean_q8] = mean_q8;
         if left_q8 != 0 || right_q8 != 0 {
-            sums = Sums::over(window, off_q8, &template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+            sums = look.sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
         }
         let contrast = usual + right_q8 - left_q8;
         // The same kind of edge: not so much weaker that it would only add noise, and at most twice as strong.
@@ -200,37 +210,43 @@ impl Profile {
             return None;
         }
         // Both flanks must be in view.
-        if sums.pixels < 4 || sums.slope_slope < 1 << 24 {
+        if sums.pixels < 3 || sums.slope_slope < 1 << 24 {
             return None;
         }
-        let (box_q16, slope_slope) = (template.box_q8 << 8, sums.slope_slope >> 15);
-        let [residual_slope, residual_widening] = sums.with_own_levels();
+        let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
+        let residual_slope = sums.residual_slope();
         let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
-        let widening_q12 = (16 * template.per_widening_q8 * residual_widening)
-            .checked_div(contrast * (sums.widening_widening >> 15).max(1))?;
-        let explained = (sums.residual_slope / slope_slope * sums.residual_slope) >> 15;
+        let wider_q12 = |(residual, square): (i64, i64)| -> Option<i64> {
+            let off_q12 = 16 * i64::from(template.per_widening_q8) * residual;
+            Some(i64::from(self.blur_q12) + off_q12.checked_div(contrast * square.max(1))?)
+        };
+        let [template_q12, width_q12] = sums.widening().map(wider_q12);
+        let explained = (sums.residual_slope.checked_div(slope_slope)? * sums.residual_slope) >> 15;
         Some(Fit {
             shift_q16,
-            width_q12: i64::from(self.blur_q12) + widening_q12,
-            residual_q16: (sums.residual_residual - explained).max(0) / (sums.pixels - 1),
-            sigma_q16: self.sigma_q16(&sums, box_q16, contrast.abs())?,
+            template_q12: template_q12?,
+            width_q12: width_q12?,
+            residual_q16: (sums.residual_residual - explained).max(0).checked_div(sums.pixels - 1)?,
+            sigma_q16: self.sigma_q16(&sums, (box_q16 << 8).checked_div(contrast.abs())?)?,
             off_q16,
         })
     }
 
-    /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong.
-    fn sigma_q16(&self, sums: &Sums, box_q16: i64, contrast_q8: i64) -> Option<i64> {
-        let noise_q8 = i64::from(self.noise_q16.isqrt());
-        let of_flank = ((noise_q8 * box_q16) << 15).checked_div(contrast_q8 * root(sums.slope_slope))?;
-        // Of a level that is off by one grey level.
-        let per_grey_q16 = ((box_q16 << 7) * sums.slope).checked_div(contrast_q8 * (sums.slope_slope >> 15))?;
-        let share_q16: i64 = sums.plateaus.iter().map(|plateau| 65536 / plateau.pixels.max(1)).sum();
-        let of_levels = (per_grey_q16 * noise_q8 * root(share_q16)) >> 16;
+    /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong. `per_grey`
+    /// is b/A in 1/65536 px and grey level.
+    fn sigma_q16(&self, sums: &Sums, per_grey: i64) -> Option<i64> {
+        let slope_slope = sums.slope_slope >> 15;
+        // With S the slope and n pixels on a plateau, 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
+        let of_flank_q16 = (1_i64 << 31).checked_div(slope_slope)?;
+        let half_q8 = (sums.slope << 7).checked_div(slope_slope)?;
+        let of_levels_q16: i64 = sums.plateau_pixels.iter().map(|pixels| half_q8 * half_q8 / pixels.max(&1)).sum();
+        let variance_q16 = (i64::from(self.noise_q16) * (of_flank_q16 + of_levels_q16)) >> 16;
         // Beside texture, no plateau tells the level at the edge.
         let restless =
             self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
-        let of_texture = (restless.sum::<i64>() * per_grey_q16) >> 8;
-        Some(root(of_flank * of_flank + of_levels * of_levels + of_texture * of_texture))
+        let of_texture_q8 = (restless.sum::<i64>() * half_q8) >> 8;
+        let grey_q8 = root(variance_q16 + of_texture_q8 * of_texture_q8);
+        Some((per_grey * grey_q8) >> 8)
     }
 
     /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
@@ -261,7 +277,7 @@ impl Profile {
             *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
             add(mean_q16, off_q16, rows.min(32));
         }
-        self.widen(fit.width_q12, rows.min(16));
+        self.widen(fit.template_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
         self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
@@ -283,7 +299,53 @@ fn root(square: i64) -> i64 {
     (square.max(0) as u64).isqrt() as i64
 }
 
-/// Inner products of residual, slope of the profile, and its change with the width, over the flank; the residuals beyond.
+/// The pixels around an edge: its flank, and a plateau on either side.
+struct Look<'p> {
+    flank: &'p [u8],
+    plateaus: [&'p [u8]; 2],
+    /// Of the flank's first pixel from the expected column.
+    off_q8: i32,
+}
+
+impl<'p> Look<'p> {
+    fn new(pixels: &'p [u8], column_q16: i64, template: &Template, around: Neighbours) -> Option<Self> {
+        let reach_q16 = i64::from(template.reach_q8()) << 8;
+        let (from_q16, to_q16) = view(column_q16, reach_q16, around);
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
+        // At least the outermost pixels tell the levels.
+        let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + 1);
+        let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - 1);
+        let part = |from: i64, to: i64| pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?);
+        Some(Self {
+            flank: part(flank_from, flank_to)?,
+            plateaus: [part(from, flank_from)?, part(flank_to, to)?],
+            off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
+        })
+    }
+
+    /// Given the levels to expect.
+    fn sums(&self, template: &Template, levels_q8: [i64; 2]) -> Sums {
+        let mut sums = Sums::default();
+        let [left_q8, right_q8] = levels_q8;
+        let contrast_q8 = right_q8 - left_q8;
+        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
+            let expected_q8 = left_q8 + ((contrast_q8 * i64::from(place.step)) >> 15);
+            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
+        }
+        let [left, right] = self.plateaus;
+        sums.plateau_pixels = [left.len() as i64, right.len() as i64];
+        sums.off_q16 = [off_q16(left, left_q8), off_q16(right, right_q8)];
+        sums
+    }
+}
+
+/// Mean of a plateau minus what is expected.
+fn off_q16(plateau: &[u8], level_q8: i64) -> i64 {
+    let sum: u32 = plateau.iter().map(|pixel| u32::from(*pixel)).sum();
+    (i64::from(sum) << 16) / (plateau.len() as i64).max(1) - (level_q8 << 8)
+}
+
+/// Inner products of residual, slope of the profile, and its change with the width, over the flank; what lies beyond.
 #[derive(Default)]
 struct Sums {
     pixels: i64,
@@ -292,83 +354,58 @@ struct Sums {
     residual_widening: i64,
     slope: i64,
     slope_slope: i64,
-    slope_step: i64,
-    widening: i64,
     widening_widening: i64,
     widening_step: i64,
-    plateaus: [Plateau; 2],
-}
-
-/// Residuals on one side, beyond the blur.
-#[derive(Default)]
-struct Plateau {
-    pixels: i64,
-    residual_q8: i64,
+    residual_shape: i64,
+    shape_shape: i64,
+    shape_step: i64,
+    widening_shape: i64,
+    plateau_pixels: [i64; 2],
+    /// The row's own levels minus the expected ones.
+    off_q16: [i64; 2],
 }
 
 impl Sums {
-    /// Over a window whose first pixel lies `off_q8` from the expected column, given the levels to expect.
-    fn over(window: &[u8], off_q8: i64, template: &Template, [left_q8, right_q8]: [i64; 2]) -> Self {
-        let mut sums = Self::default();
-        let contrast = right_q8 - left_q8;
-        // At least the outermost pixels tell the levels.
-        let last_q8 = off_q8 + (window.len() as i64 - 1) * 256;
-        let left_of_q8 = off_q8.max(-template.clear_q8());
-        let right_of_q8 = last_q8.min(template.clear_q8());
-        let mut at_q8 = off_q8;
-        for pixel in window {
-            let place = template.at(at_q8);
-            let residual = (i64::from(*pixel) << 8) - left_q8 - ((contrast * place.step) >> 15);
-            let [left, right] = &mut sums.plateaus;
-            if at_q8 <= left_of_q8 {
-                left.add(residual);
-            } else if at_q8 >= right_of_q8 {
-                right.add(residual);
-            }
-            if place.slope != 0 {
-                sums.add(residual, &place);
-            }
-            at_q8 += 256;
-        }
-        sums
-    }
-
     fn add(&mut self, residual: i64, place: &Place) {
+        let (step, slope, widening) = (i64::from(place.step), i64::from(place.slope), i64::from(place.widening));
         self.pixels += 1;
         self.residual_residual += residual * residual;
-        self.residual_slope += residual * place.slope;
-        self.residual_widening += residual * place.widening;
-        self.slope += place.slope;
-        self.slope_slope += place.slope * place.slope;
-        self.slope_step += (place.slope * place.step) >> 15;
-        self.widening += place.widening;
-        self.widening_widening += place.widening * place.widening;
-        self.widening_step += (place.widening * place.step) >> 15;
+        self.residual_slope += residual * slope;
+        self.residual_widening += residual * widening;
+        self.slope += slope;
+        self.slope_slope += slope * slope;
+        self.widening_widening += widening * widening;
+        self.widening_step += widening * (step - (1 << 14));
+        if place.shape != 0 {
+            let shape = i64::from(place.shape);
+            self.residual_shape += residual * shape;
+            self.shape_shape += shape * shape;
+            self.shape_step += shape * (step - (1 << 14));
+            self.widening_shape += widening * shape;
+        }
     }
 
-    /// Products of the residual with slope and widening, had the row's own levels been expected.
+    /// Product of the residual with the slope, had the row's own levels been expected: of the slope's sum half belongs to
+    /// either level.
     ///
     /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
     /// and each row for itself knows neither lag nor drift, and no bad start.
-    fn with_own_levels(&self) -> [i64; 2] {
-        let [left_q8, right_q8] = self.levels_off_q16().map(|off_q16| off_q16 >> 8);
-        [
-            self.residual_slope - left_q8 * (self.slope - self.slope_step) - right_q8 * self.slope_step,
-            self.residual_widening - left_q8 * (self.widening - self.widening_step) - right_q8 * self.widening_step,
-        ]
+    fn residual_slope(&self) -> i64 {
+        let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        self.residual_slope - (left_q8 + right_q8) * self.slope / 2
     }
 
-    /// The row's own levels minus the expected ones.
-    fn levels_off_q16(&self) -> [i64; 2] {
-        let [left, right] = &self.plateaus;
-        [left, right].map(|plateau| (plateau.residual_q8 << 8) / plateau.pixels.max(1))
-    }
-}
-
-impl Plateau {
-    fn add(&mut self, residual_q8: i64) {
-        self.pixels += 1;
-        self.residual_q8 += residual_q8;
+    /// Products of the widening with the residual (likewise; it changes sign in the middle) and with itself; and the same
+    /// without what another lens would explain, which is less biased and noisier.
+    fn widening(&self) -> [(i64, i64); 2] {
+        let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        let own = |residual: i64, step: i64| residual - (((right_q8 - left_q8) * step) >> 15);
+        let residual = own(self.residual_widening, self.widening_step);
+        let square = self.widening_widening >> 15;
+        let part_q15 = self.widening_shape.checked_div(self.shape_shape >> 15).unwrap_or(0);
+        let of_shape = (own(self.residual_shape, self.shape_step) * part_q15) >> 15;
+        let shared = ((self.widening_shape >> 15) * part_q15) >> 15;
+        [(residual, square), (residual - of_shape, square - shared)]
     }
 }
 
@@ -389,9 +426,7 @@ enum Side {
 }
 
 /// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
-fn plateau(pixels: &[u8], column_q16: i32, reach_q8: i64, side: Side, around: Neighbours) -> Option<u32> {
-    let column = i64::from(column_q16);
-    let reach_q16 = reach_q8 << 8;
+fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
     let (left, right) = view(column, reach_q16, around);
     let (from, to) = match side {
         Side::Left => (left, (column - reach_q16).max(left)),
@@ -403,4 +438,106 @@ fn plateau(pixels: &[u8], column_q16: i32, reach_q8: i64, side: Side, around: Ne
     // Fewer than 256 pixels: the sum fits 16 bits.
     let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
     (sum << 16).checked_div(window.len() as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Neighbours, Profile};
+    use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
+    use crate::{Camera, Distortion, Edge, Intrinsics, Line, Readout, Scanner, Twist};
+
+    const ROWS: u16 = 240;
+    const FOCAL_PX: f32 = 300.0;
+    const SPEED_M_S: f32 = 1.5;
+    /// Rows that may be refused while levels and blur settle.
+    const SETTLING: u16 = 16;
+
+    /// What came out of the rows of one edge.
+    struct Outcome {
+        mean_width_px: f64,
+        /// Standard deviations of the rows' columns and widths, and what is stated for the column.
+        column_px: f64,
+        width_px: f64,
+        stated_px: f64,
+    }
+
+    fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
+        let count = values.clone().count() as f64;
+        let mean = values.clone().sum::<f64>() / count;
+        libm::sqrt(values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0))
+    }
+
+    /// An edge 1 m away that a lens blurs and the exposure smears over `path_px`, row after row where it is.
+    fn follow(lens_px: f32, path_px: f32, seed: u64) -> Outcome {
+        let camera = Camera::new(Intrinsics::centred(320, ROWS, FOCAL_PX), Distortion::NONE).unwrap();
+        let readout = Readout::from_frame_readout_ns(ROWS, 33_333_333, Default::default()).unwrap();
+        let exposure = Exposure {
+            time_s: path_px / (FOCAL_PX * SPEED_M_S),
+            psf_sigma_px: lens_px,
+            read_noise: 2.0,
+            shot_gain: 0.03,
+        };
+        let mut scene = Scene::<1>::new(Background::plain(60.0)).unwrap();
+        scene.push(Bar::upright(2.02, 1.0, 4.0, 170.0)).unwrap();
+        let motion = Twist::level([SPEED_M_S, 0.0, 0.0]).unwrap();
+        let simulator = Simulator::new(&scene, &camera, &readout, &motion, exposure, seed).unwrap();
+        let column = |row| {
+            let time_s = readout.row_time_ns(row) as f64 * 1e-9;
+            159.5 + f64::from(FOCAL_PX) * (0.02 - f64::from(SPEED_M_S) * time_s)
+        };
+        let (mut scanner, mut pixels) = (Scanner::new(), [0; 320]);
+        simulator.row(0, &mut pixels);
+        let mut first = Edge::new(0, 0, 0);
+        scanner.scan(&pixels, |edge| first = edge.at(0, 0));
+        let mut profile = Profile::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
+        let mut line: Line<16> = Line::new(first);
+        let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
+        for row in 1..ROWS {
+            simulator.row(row, &mut pixels);
+            let expected_q16 = (column(row) * 65536.0) as i64;
+            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, Neighbours::NONE) else {
+                assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
+                continue;
+            };
+            let off_px = f64::from(edge.column_q16) / 65536.0 - column(row);
+            let sigma_px = f64::from(edge.sigma_q16) / 65536.0;
+            found[usize::from(row)] = (off_px, f64::from(edge.width_q8) / 256.0, sigma_px);
+            line.push(edge.at(row, readout.row_time_ns(row))).unwrap();
+        }
+        // As the line's mean, which leaves the rows out in which the profile settles.
+        let settled = &found[SETTLING.into()..];
+        Outcome {
+            mean_width_px: line.mean_width_px().unwrap(),
+            column_px: deviation(settled.iter().map(|row| row.0)),
+            width_px: deviation(settled.iter().map(|row| row.1)),
+            stated_px: settled.iter().map(|row| row.2).sum::<f64>() / settled.len() as f64,
+        }
+    }
+
+    /// The width is a measurement of its own: unbiased whatever the lens and the motion, of stated noise, and a line's mean
+    /// of n rows has √n times less.
+    #[test]
+    fn width_and_its_noise() {
+        const LINES: u8 = 12;
+        for lens_px in [0.5, 0.7, 1.0] {
+            for path_px in [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 28.0] {
+                let variance = lens_px * lens_px + (1.0 + path_px * path_px) / 12.0;
+                let width_px = libm::sqrt(f64::from(variance));
+                let lines = || (1..=LINES).map(|seed| follow(lens_px, path_px, seed.into()));
+                let mean =
+                    |value: fn(&Outcome) -> f64| lines().map(|line| value(&line)).sum::<f64>() / f64::from(LINES);
+                let bias = mean(|line| line.mean_width_px) / width_px - 1.0;
+                let column = mean(|line| line.column_px) / mean(|line| line.stated_px);
+                let width = mean(|line| line.width_px) / mean(|line| line.stated_px);
+                let means: heapless::Vec<f64, 12> = lines().map(|line| line.mean_width_px).collect();
+                let rows = f64::from(ROWS - SETTLING);
+                let line = deviation(means.into_iter()) * libm::sqrt(rows) / mean(|line| line.width_px);
+                let of = format_args!("lens {lens_px}, path {path_px}");
+                assert!(bias.abs() < 0.01, "{of}: bias {bias:+.4}");
+                assert!((0.92..1.08).contains(&column), "{of}: columns {column:.3} of their sigma");
+                assert!((0.9..2.0).contains(&width), "{of}: widths {width:.3} of the column's sigma");
+                assert!((0.4..1.5).contains(&line), "{of}: a line's width {line:.2} of what its rows' say");
+            }
+        }
+    }
 }

@@ -7,105 +7,121 @@
 /// about both: up to what a usual lens explains s grows, beyond it the box.
 #[derive(Clone, Copy)]
 pub(crate) struct Template {
-    pub(crate) box_q8: i64,
-    pub(crate) lens_q8: i64,
-    /// 1/s in 1/256 px, times 2²⁴; 1/b likewise.
-    per_lens_q24: i64,
-    per_box_q24: i64,
+    pub(crate) box_q8: i32,
+    lens_q8: i32,
+    /// 1/s in 1/256 px, times 2²⁰; 1/b likewise, times 2²⁴.
+    per_lens_q20: i32,
+    per_box_q24: i32,
     /// What makes the change with the width one per pixel, in 1/256 px.
-    pub(crate) per_widening_q8: i64,
+    pub(crate) per_widening_q8: i32,
+    /// 12 s/b: how much the box changes with the lens at a given width.
+    box_per_lens_q8: i32,
 }
 
-/// The template at one place.
-#[derive(Clone, Copy)]
+/// The template at one place, in 1/32768.
 pub(crate) struct Place {
-    /// The step itself, in 1/32768.
-    pub(crate) step: i64,
+    /// The step itself.
+    pub(crate) step: i32,
     /// Its slope times b.
-    pub(crate) slope: i64,
+    pub(crate) slope: i32,
     /// Its change with the width, times [`Template::per_widening_q8`].
-    pub(crate) widening: i64,
+    pub(crate) widening: i32,
+    /// Its change where the lens blurs more and the box less, the width being the same; zero where there is no box.
+    pub(crate) shape: i32,
 }
 
 /// One pixel.
-const PIXEL_Q8: i64 = 256;
+const PIXEL_Q8: i32 = 256;
 /// Variance of a pixel's box, in 1/65536 square pixel.
-const PIXEL_VARIANCE_Q16: i64 = 65536 / 12;
+const PIXEL_VARIANCE_Q16: i32 = 65536 / 12;
 /// Of a usual lens, 0.7 px; beyond, it is motion.
-const LENS_VARIANCE_Q16: i64 = 32113;
-const LEAST_LENS_Q8: i64 = 40;
-/// Sigmas of the Gauss beyond which the template is taken to be 0 or 1.
-const TAIL_SIGMAS: i64 = 3;
-/// Those beyond which a level can be told.
-const CLEAR_SIGMAS: i64 = 2;
+const LENS_VARIANCE_Q16: i32 = 32113;
+/// One sigma of a lens and a pixel.
+const LENS_AND_PIXEL_Q8: i32 = 194;
+const LEAST_LENS_Q8: i32 = 40;
 
 impl Template {
     /// Of an edge whose blur has this standard deviation, the pixel's own included.
     pub(crate) fn new(width_q8: u16) -> Self {
-        let width_q8 = i64::from(width_q8).max(1);
+        // Twelve times the square must fit.
+        let width_q8 = i32::from(width_q8.clamp(1, 12 << 8));
         let variance_q16 = width_q8 * width_q8;
         let of_motion_q16 = variance_q16 - LENS_VARIANCE_Q16 - PIXEL_VARIANCE_Q16;
-        let (box_q8, lens_variance_q16) = if of_motion_q16 > PIXEL_VARIANCE_Q16 {
-            (root(12 * of_motion_q16), LENS_VARIANCE_Q16 + PIXEL_VARIANCE_Q16)
+        if of_motion_q16 > PIXEL_VARIANCE_Q16 {
+            let box_q8 = (12 * of_motion_q16.unsigned_abs()).isqrt() as i32;
+            Self::with(
+                box_q8,
+                LENS_AND_PIXEL_Q8,
+                (1 << 24) / box_q8.max(1),
+                (box_q8 * box_q8).checked_div(12 * width_q8).unwrap_or(1),
+            )
         } else {
-            (PIXEL_Q8, variance_q16 - PIXEL_VARIANCE_Q16)
-        };
-        let lens_q8 = root(lens_variance_q16).max(LEAST_LENS_Q8);
-        let of_box = box_q8 > PIXEL_Q8;
-        let per_widening_q8 = if of_box { box_q8 * box_q8 / (12 * width_q8) } else { lens_q8 * box_q8 / width_q8 };
-        let (per_lens_q24, per_box_q24) = ((1 << 24) / lens_q8, (1 << 24) / box_q8.max(1));
-        Self { box_q8, lens_q8, per_lens_q24, per_box_q24, per_widening_q8: per_widening_q8.max(1) }
-    }
-
-    /// Half the width of what is neither 0 nor 1, in 1/256 px.
-    const fn reach_q8(&self) -> i64 {
-        self.box_q8 / 2 + TAIL_SIGMAS * self.lens_q8
-    }
-
-    /// Where the plateaus begin that tell the levels: what the template still changes there is known.
-    pub(crate) const fn clear_q8(&self) -> i64 {
-        self.box_q8 / 2 + CLEAR_SIGMAS * self.lens_q8
-    }
-
-    /// `off_q8` from the middle of the step.
-    ///
-    /// With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b, and of J the part max(z, 0) is taken apart.
-    pub(crate) fn at(&self, off_q8: i64) -> Place {
-        if off_q8.abs() >= self.reach_q8() {
-            return Place { step: if off_q8 < 0 { 0 } else { 1 << 15 }, slope: 0, widening: 0 };
+            let lens_q8 = ((variance_q16 - PIXEL_VARIANCE_Q16).max(0).unsigned_abs().isqrt() as i32).max(LEAST_LENS_Q8);
+            Self::with(PIXEL_Q8, lens_q8, 1 << 16, (lens_q8 * PIXEL_Q8).checked_div(width_q8).unwrap_or(1))
         }
-        let (ahead_q8, behind_q8) = (off_q8 + self.box_q8 / 2, off_q8 + self.box_q8 / 2 - self.box_q8);
-        let ahead = Normal::at((ahead_q8 * self.per_lens_q24) >> 16);
-        let behind = Normal::at((behind_q8 * self.per_lens_q24) >> 16);
-        let ramp = ahead_q8.clamp(0, self.box_q8) << 15;
-        let step = ((ramp + self.lens_q8 * (ahead.rest - behind.rest)) * self.per_box_q24) >> 24;
-        let widening = if self.box_q8 > PIXEL_Q8 {
-            (ahead.below + behind.below) / 2 - step
-        } else {
-            ahead.density() - behind.density()
-        };
-        Place { step, slope: ahead.below - behind.below, widening }
     }
-}
 
-fn root(square: i64) -> i64 {
-    (square.max(0) as u64).isqrt() as i64
+    fn with(box_q8: i32, lens_q8: i32, per_box_q24: i32, per_widening_q8: i32) -> Self {
+        let per_lens_q20 = (1 << 20) / lens_q8.max(1);
+        let box_per_lens_q8 = ((12 * lens_q8) << 8) / box_q8.max(1);
+        Self { box_q8, lens_q8, per_lens_q20, per_box_q24, per_widening_q8: per_widening_q8.max(1), box_per_lens_q8 }
+    }
+
+    /// Half the width of what is neither 0 nor 1, in 1/256 px: 2.5 sigma of the Gauss beyond the box.
+    pub(crate) const fn reach_q8(&self) -> i32 {
+        self.box_q8 / 2 + self.lens_q8 * 5 / 2
+    }
+
+    /// From `off_q8` from the middle of the step on, one pixel after the other.
+    pub(crate) fn walk(&self, off_q8: i32) -> impl Iterator<Item = Place> {
+        let mut ahead_q8 = off_q8 + self.box_q8 / 2;
+        // One pixel's end is the next one's beginning.
+        let mut last = None;
+        core::iter::from_fn(move || {
+            let behind = last.take().unwrap_or_else(|| self.normal(ahead_q8 - self.box_q8));
+            let ahead = self.normal(ahead_q8);
+            let place = self.at(ahead_q8, &ahead, &behind);
+            if self.box_q8 == PIXEL_Q8 {
+                last = Some(ahead);
+            }
+            ahead_q8 += PIXEL_Q8;
+            Some(place)
+        })
+    }
+
+    fn normal(&self, off_q8: i32) -> Normal {
+        Normal::at((off_q8 * self.per_lens_q20) >> 12)
+    }
+
+    /// With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b, and of J the part max(z, 0) is taken apart.
+    fn at(&self, ahead_q8: i32, ahead: &Normal, behind: &Normal) -> Place {
+        let area_q23 = (ahead_q8.min(self.box_q8).max(0) << 15) + self.lens_q8 * (ahead.rest - behind.rest);
+        let step = ((i64::from(area_q23) * i64::from(self.per_box_q24)) >> 24) as i32;
+        let slope = ahead.below - behind.below;
+        let with_lens = ahead.density() - behind.density();
+        if self.box_q8 > PIXEL_Q8 {
+            let with_box = (ahead.below + behind.below) / 2 - step;
+            Place { step, slope, widening: with_box, shape: with_lens - ((with_box * self.box_per_lens_q8) >> 8) }
+        } else {
+            Place { step, slope, widening: with_lens, shape: 0 }
+        }
+    }
 }
 
 /// Of the normal distribution, in 1/32768: Φ, and the integral of Φ beyond max(z, 0).
 struct Normal {
-    z_q8: i64,
-    below: i64,
-    rest: i64,
+    z_q8: i32,
+    below: i32,
+    rest: i32,
 }
 
 impl Normal {
-    fn at(z_q8: i64) -> Self {
+    fn at(z_q8: i32) -> Self {
         let size = z_q8.unsigned_abs();
-        let (index, part) = ((size >> 4) as usize, (size & 15) as i64);
+        let (index, part) = ((size >> 4) as usize, (size & 15) as i32);
         let (below, rest) = match (TABLE.get(index), TABLE.get(index + 1)) {
             (Some(a), Some(b)) => {
-                let between = |a: u16, b: u16| (i64::from(a) * (16 - part) + i64::from(b) * part + 8) >> 4;
+                let between = |a: u16, b: u16| (i32::from(a) * (16 - part) + i32::from(b) * part + 8) >> 4;
                 (between(a.0, b.0), between(a.1, b.1))
             }
             _ => (1 << 15, 0),
@@ -114,7 +130,7 @@ impl Normal {
     }
 
     /// φ(z) = rest + |z| Φ(−|z|).
-    fn density(&self) -> i64 {
+    fn density(&self) -> i32 {
         let beyond = if self.z_q8 < 0 { self.below } else { (1 << 15) - self.below };
         self.rest + ((self.z_q8.abs() * beyond) >> 8)
     }

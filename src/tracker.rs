@@ -61,6 +61,14 @@ struct Candidate {
     blur_q16: i64,
 }
 
+impl Candidate {
+    /// Whether the other one is another edge: within its own blur, one of the same polarity is a piece of it.
+    fn is_ended_by(&self, other: &Self) -> bool {
+        let apart_q16 = (other.prediction.column_q16 - self.prediction.column_q16).abs();
+        other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16
+    }
+}
+
 impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// An empty tracker.
     #[must_use]
@@ -102,11 +110,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             else {
                 continue;
             };
+            let ends = |other: &&Candidate| candidate.is_ended_by(other);
             let column = |other: Option<&Candidate>| other.map(|other| other.prediction.column_q16);
             let around = Neighbours {
-                left_q16: column(index.checked_sub(1).and_then(|i| candidates.get(i)))
-                    .unwrap_or(Neighbours::NONE.left_q16),
-                right_q16: column(candidates.get(index + 1)).unwrap_or(Neighbours::NONE.right_q16),
+                left_q16: column(candidates.iter().take(index).rfind(ends)).unwrap_or(Neighbours::NONE.left_q16),
+                right_q16: column(candidates.iter().skip(index + 1).find(ends)).unwrap_or(Neighbours::NONE.right_q16),
             };
             if let Some(edge) = track.locate(&candidate.prediction, at, pixels, around) {
                 let reach_q16 = (5 << 16) / 2 + i64::from(edge.width_q8) * 640;
@@ -139,7 +147,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             if edge.row == row {
                 let others = self.under_way.iter().filter_map(track).map(|track| track.line.last());
                 let around = Neighbours::among(others.filter(|other| other.row == row), &edge);
-                let profile = Profile::new(pixels, &edge, around, noise_q8);
+                let profile = Profile::settled(pixels, &edge, around, noise_q8);
                 if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
                     track.profile = profile;
                 }
