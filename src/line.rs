@@ -185,10 +185,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         (sum.widths_q8 > 0).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.edges) << 8))
     }
 
-    /// One standard deviation of the mean width: each width has √2 of the noise of its column.
+    /// One standard deviation of the mean width: each width has one to two times the noise of its column, the more the less
+    /// its shape is known.
     pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
         let sum = self.settled();
-        let variances_q32 = sum.variances_q32.saturating_mul(2).min(i64::MAX as u64);
+        let variances_q32 = sum.variances_q32.saturating_mul(4).min(i64::MAX as u64);
         S::from_ratio(variances_q32.isqrt() as i64, i64::from(sum.edges) << 16)
     }
 
