@@ -72,7 +72,11 @@ impl Profile {
         let noise_q16 = noise_q8.saturating_mul(noise_q8);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let noise_q16 = noise_q16.max(LEAST_NOISE_Q16);
-        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        let unrest_q8 = [
+            unrest(pixels, edge.column_q16, blur_q8, Side::Left, around)?,
+            unrest(pixels, edge.column_q16, blur_q8, Side::Right, around)?,
+        ];
+        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8, white_q8 };
         let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
         (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
     }
@@ -139,14 +143,8 @@ impl Profile {
         let left_q8 = plateau(pixels, expected_q16, self.blur_q8, Side::Left, around);
         let right_q8 = plateau(pixels, expected_q16, self.blur_q8, Side::Right, around);
         let [left_unrest, right_unrest] = self.unrest_q8;
-        let left = self.level(left_q8, self.left_q8, left_unrest);
-        let right = self.level(right_q8, self.right_q8, right_unrest);
-        let contrast = right - left;
-        // The same kind of edge: half to twice as strong, of the same sign.
-        let usual = i64::from(self.contrast_q8());
-        if contrast * usual.signum() * 2 < usual.abs() || contrast.abs() > 2 * usual.abs() {
-            return None;
-        }
+        let (left, left_free) = self.level(left_q8, self.left_q8, left_unrest);
+        let (right, right_free) = self.level(right_q8, self.right_q8, right_unrest);
         let middle_q8 = (left + right) / 2;
         let per_blur_q16 = (1_i64 << 24) / i64::from(self.blur_q8.max(1));
         let mut sums = Sums::default();
@@ -155,7 +153,7 @@ impl Profile {
             let z_q8 = (off_q8 * per_blur_q16) >> 16;
             let (density, cumulative) = normal(z_q8);
             let value_q8 = i64::from(*pixel) << 8;
-            let expected_q8 = left + ((contrast * cumulative) >> 15);
+            let expected_q8 = left + (((right - left) * cumulative) >> 15);
             sums.add(
                 value_q8 - expected_q8,
                 density,
@@ -163,6 +161,13 @@ impl Profile {
                 cumulative - (1 << 14),
                 value_q8 - middle_q8,
             );
+        }
+        let [change_left, change_right] = sums.free_levels([left_free, right_free]);
+        let contrast = right + change_right - left - change_left;
+        // The same kind of edge: half to twice as strong, of the same sign.
+        let usual = i64::from(self.contrast_q8());
+        if contrast * usual.signum() * 2 < usual.abs() || contrast.abs() > 2 * usual.abs() {
+            return None;
         }
         let count = window.len() as i64;
         // Both flanks must be in view.
@@ -175,14 +180,14 @@ impl Profile {
         let widening_q8 = per(sums.residual_width, sums.width_width.max(1 << 15))? >> 8;
         let per_slope = sums.residual_slope.checked_div((sums.slope_slope >> 15).max(1))?;
         let explained = (per_slope * sums.residual_slope) >> 15;
-        let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 2).max(1);
+        let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 2 - i64::from(left_free) - i64::from(right_free)).max(1);
         let noise_q8 = i64::from(self.noise_q16.isqrt());
         let of_noise_q16 =
             ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;
         // A level that is wrong by u shifts the edge by u σ/(0.56 A): beside texture, no plateau tells the level at the edge.
         let restless =
             self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
-        let of_texture_q16 = (2 * restless.sum::<i64>() * blur_q16).checked_div(contrast.abs())?;
+        let of_texture_q16 = (restless.sum::<i64>() * blur_q16 / 2).checked_div(contrast.abs())?;
         let sigma_q16 = ((of_noise_q16 * of_noise_q16 + of_texture_q16 * of_texture_q16) as u64).isqrt() as i64;
         Some(Fit {
             shift_q16,
@@ -201,15 +206,15 @@ impl Profile {
     }
 
     /// The level to expect: the running mean, or the row's own where it is another one, as at the end of an object, where its
-    /// brightness fades and the mean would shift the edge.
-    fn level(&self, row_q8: Option<u16>, mean_q8: u16, unrest_q8: u16) -> i64 {
+    /// brightness fades and the mean would shift the edge. The latter is only a start: the pixels of the edge know better.
+    fn level(&self, row_q8: Option<u16>, mean_q8: u16, unrest_q8: u16) -> (i64, bool) {
         let noise_q8 = self.noise_q16.isqrt();
         match row_q8 {
             // Three sigma of a mean over four pixels.
             Some(row) if self.is_restless(unrest_q8) || u32::from(row.abs_diff(mean_q8)) > noise_q8 * 3 / 2 => {
-                i64::from(row)
+                (i64::from(row), true)
             }
-            _ => i64::from(mean_q8),
+            _ => (i64::from(mean_q8), false),
         }
     }
 
@@ -251,10 +256,31 @@ struct Sums {
     width_width: i64,
     step_step: i64,
     step_value: i64,
+    /// Of the left level's share of each pixel, and of the right one's.
+    levels: [Level; 2],
+    left_right: i64,
+}
+
+/// Inner products with a level's share of each pixel.
+#[derive(Clone, Copy, Default)]
+struct Level {
+    own: i64,
+    residual: i64,
+    slope: i64,
+    width: i64,
 }
 
 impl Sums {
     fn add(&mut self, residual: i64, slope: i64, width: i64, step: i64, value: i64) {
+        let shares = [(1 << 14) - step, (1 << 14) + step];
+        for (level, share) in self.levels.iter_mut().zip(shares) {
+            level.own += share * share;
+            level.residual += share * residual;
+            level.slope += share * slope;
+            level.width += share * width;
+        }
+        let [left, right] = shares;
+        self.left_right += left * right;
         self.residual_residual += residual * residual;
         self.residual_slope += residual * slope;
         self.residual_width += residual * width;
@@ -262,6 +288,36 @@ impl Sums {
         self.width_width += width * width;
         self.step_step += step * step;
         self.step_value += step * value;
+    }
+
+    /// Leaves it to the edge's own pixels to tell the levels that are free: takes out of the sums what these levels explain,
+    /// by orthogonalisation, and returns what they are above the expected ones.
+    fn free_levels(&mut self, free: [bool; 2]) -> [i64; 2] {
+        let [mut left, mut right] = self.levels;
+        // Too few pixels tell nothing.
+        let [left_free, right_free] = [free[0] && left.own >= 1 << 29, free[1] && right.own >= 1 << 29];
+        let part = |of: i64, own: i64| (of << 15) / own.max(1);
+        if left_free && right_free {
+            let common = part(self.left_right, left.own);
+            right.own = (right.own - ((common * self.left_right) >> 15)).max(1 << 26);
+            right.residual -= (common * left.residual) >> 15;
+            right.slope -= (common * left.slope) >> 15;
+        }
+        for (level, _) in [(left, left_free), (right, right_free)].into_iter().filter(|(_, free)| *free) {
+            let share = part(level.slope, level.own);
+            self.slope_slope -= (share * level.slope) >> 15;
+            self.residual_slope -= (share * level.residual) >> 15;
+            self.residual_residual -= (part(level.residual, level.own) * level.residual) >> 15;
+        }
+        let shift = part(self.residual_slope, self.slope_slope);
+        let change = |level: &Level| part(level.residual - ((shift * level.slope) >> 15), level.own);
+        let right_change = if right_free { change(&right) } else { 0 };
+        left.residual -= (right_change * self.left_right) >> 15;
+        let left_change = if left_free { change(&left) } else { 0 };
+        for (level, change) in self.levels.iter().zip([left_change, right_change]) {
+            self.residual_width -= (change * level.width) >> 15;
+        }
+        [left_change, right_change]
     }
 }
 
@@ -271,9 +327,24 @@ enum Side {
     Right,
 }
 
-/// Mean brightness beyond the blur on one side, in 1/256 grey level: up to where a neighbour's blur begins, or the pixel
-/// half way to it where the two blurs meet.
+/// Mean brightness of a [`plateau`] in 1/256 grey level.
 fn plateau(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<u16> {
+    let window = plateau_pixels(pixels, column_q16, blur_q8, side, around)?;
+    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
+    u16::try_from((sum << 8).checked_div(window.len() as u32)?).ok()
+}
+
+/// Mean difference of a plateau's pixels from their mean, in 1/256 grey level: 0.7 sigma of noise, more of texture.
+fn unrest(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<u16> {
+    let window = plateau_pixels(pixels, column_q16, blur_q8, side, around)?;
+    let mean_q8 = plateau(pixels, column_q16, blur_q8, side, around)?;
+    let sum: u32 = window.iter().map(|pixel| (u32::from(*pixel) << 8).abs_diff(u32::from(mean_q8))).sum();
+    u16::try_from(sum.checked_div(window.len() as u32)?).ok()
+}
+
+/// The pixels beyond the blur on one side: up to where a neighbour's blur begins, or the pixel
+/// half way to it where the two blurs meet.
+fn plateau_pixels(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Neighbours) -> Option<&[u8]> {
     let column = i64::from(column_q16);
     // 2.5 sigma of a lens, but a path of motion ends after 1.73.
     let blur = i64::from(blur_q8);
@@ -294,9 +365,7 @@ fn plateau(pixels: &[u8], column_q16: i32, blur_q8: u16, side: Side, around: Nei
     let (from, to) = if room { (near.min(far), near.max(far)) } else { (half_way, half_way) };
     let from = ((from + (1 << 15)) >> 16).max(0);
     let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
-    let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
-    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
-    u16::try_from((sum << 8).checked_div(window.len() as u32)?).ok()
+    pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)
 }
 
 /// Density and cumulative normal distribution at z (1/256), in 1/32768.
