@@ -159,6 +159,37 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
+    /// Appends a later line, knot by knot.
+    ///
+    /// *Errors*: as [`Line::push`]; nothing has changed then.
+    pub(crate) fn append(&mut self, later: &Self) -> Result<(), OutOfOrder> {
+        let mut joined = self.clone();
+        joined.push(later.first)?;
+        joined.push(later.last)?;
+        let start = Knot::of(&later.first, &self.first);
+        for knot in later.knots.iter().filter(|knot| knot.edges > 0) {
+            let edges = knot.edges;
+            let knot = Knot {
+                columns_q16: knot.columns_q16.saturating_add(start.columns_q16 * i64::from(edges)),
+                times_ns: knot.times_ns.saturating_add(start.times_ns.saturating_mul(i64::from(edges))),
+                rows: knot.rows.saturating_add(start.rows * u32::from(edges)),
+                ..*knot
+            };
+            self.add(&knot, (knot.rows / u32::from(edges)) as u16);
+        }
+        self.last = later.last;
+        self.edges = self.edges.saturating_add(later.edges);
+        Ok(())
+    }
+
+    /// Multiplies the sigmas of all edges so far.
+    pub(crate) fn widen(&mut self, factor: u32) {
+        let square = u64::from(factor) * u64::from(factor);
+        for knot in &mut self.knots {
+            knot.variances_q32 = knot.variances_q32.saturating_mul(square);
+        }
+    }
+
     /// The edge that was read first.
     #[must_use]
     pub const fn first(&self) -> &Edge {

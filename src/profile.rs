@@ -21,6 +21,8 @@ pub(crate) struct Profile {
     unrest_q8: [u16; 2],
     /// One sigma of the pixels' noise when the line was confirmed.
     white_q8: u16,
+    /// Whether there was texture on either side.
+    restless: bool,
 }
 
 /// What one row says, given the profile.
@@ -60,6 +62,8 @@ impl Neighbours {
 const PLATEAU: i32 = 4;
 /// Least contrast in 1/256 grey level.
 const LEAST_CONTRAST_Q8: i32 = 4 << 8;
+/// Root of the number of rows in which texture errs alike.
+const LIKE_ROWS: u32 = 3;
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
@@ -76,7 +80,9 @@ impl Profile {
             unrest(pixels, edge.column_q16, blur_q8, Side::Left, around)?,
             unrest(pixels, edge.column_q16, blur_q8, Side::Right, around)?,
         ];
-        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8, white_q8 };
+        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8, white_q8, restless: false };
+        let restless = unrest_q8.iter().any(|unrest| profile.is_restless(*unrest));
+        let profile = Self { restless, ..profile };
         let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
         (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
     }
@@ -89,7 +95,7 @@ impl Profile {
     pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
         let mut profile = Self::new(pixels, edge, around, noise_q8)?;
         let found = profile.locate(pixels, i64::from(edge.column_q16), i64::from(u16::MAX), around)?;
-        Some(Edge { column_q16: found.column_q16, sigma_q16: found.sigma_q16 + found.sigma_q16 / 4, ..*edge })
+        Some(Edge { column_q16: found.column_q16, sigma_q16: (found.sigma_q16 + found.sigma_q16 / 4) / profile.like_rows(), ..*edge })
     }
 
     /// The edge near the expected column, and a better profile; `None` where the row shows something else.
@@ -118,7 +124,7 @@ impl Profile {
         self.learn(&fit);
         Some(ScannedEdge {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
-            sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
+            sigma_q16: u32::try_from(fit.sigma_q16 * i64::from(self.like_rows())).ok()?.max(1),
             width_q8: self.blur_q8,
             contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
         })
@@ -184,10 +190,12 @@ impl Profile {
         let noise_q8 = i64::from(self.noise_q16.isqrt());
         let of_noise_q16 =
             ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;
-        // A level that is wrong by u shifts the edge by u σ/(0.56 A): beside texture, no plateau tells the level at the edge.
-        let restless =
-            self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
-        let of_texture_q16 = (restless.sum::<i64>() * blur_q16 / 2).checked_div(contrast.abs())?;
+        // A level that is wrong by u shifts the edge by u σ/(0.56 A), and beside texture for some rows in the same direction.
+        let of_texture_q16 = match self.restless {
+            true => (self.unrest_q8.iter().map(|unrest| i64::from(*unrest)).sum::<i64>() * blur_q16 / 2)
+                .checked_div(contrast.abs())?,
+            false => 0,
+        };
         let sigma_q16 = ((of_noise_q16 * of_noise_q16 + of_texture_q16 * of_texture_q16) as u64).isqrt() as i64;
         Some(Fit {
             shift_q16,
@@ -198,6 +206,11 @@ impl Profile {
             left_q8,
             right_q8,
         })
+    }
+
+    /// How many times larger than a row's own noise its sigma is stated, for what it has in common with the rows around it.
+    pub(crate) const fn like_rows(&self) -> u32 {
+        if self.restless { LIKE_ROWS } else { 1 }
     }
 
     /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
@@ -231,6 +244,7 @@ impl Profile {
             *right_unrest = toward(*right_unrest, i64::from(level.abs_diff(self.right_q8)), rows.min(16));
             self.right_q8 = toward(self.right_q8, i64::from(level), rows.min(32));
         }
+        self.restless |= self.unrest_q8.iter().any(|unrest| self.is_restless(*unrest));
         let blur = i64::from(self.blur_q8);
         let wider = blur + fit.widening_q8.clamp(-blur / 2, blur);
         self.blur_q8 = toward(self.blur_q8, wider, rows.min(16)).clamp(LEAST_BLUR_Q8, MOST_BLUR_Q8);

@@ -112,7 +112,8 @@ impl Scanner {
         let difference = sigma_of(self.difference_q8).max(noise_q8 * 181 / 64).max(LEAST_DIFFERENCE << 6);
         let step = sigma_of(self.step_q8).max(noise_q8 * 362 / 64).max(LEAST_STEP << 6);
         let least = (4 * difference) >> 8;
-        coarse(pixels, (4 * step) >> 8, |from, to| fine(pixels, from, to, least as i32, noise_q8, &mut found));
+        let _ = step;
+        coarse(pixels, 2 * least, |from, to| fine(pixels, from, to, least as i32, noise_q8, &mut found));
     }
 
     /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly

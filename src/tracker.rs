@@ -81,6 +81,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
         }
         self.count_missed(limits, row);
+        self.resume_hidden(limits, row);
     }
 
     /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
@@ -135,7 +136,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         for place in &self.under_way {
             let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) else { continue };
             if track.state == State::Confirmed && track.profile.is_none() && track.line.last().row == row {
-                track.profile = Profile::new(pixels, track.line.last(), Neighbours::NONE, noise_q8);
+                track.show(Profile::new(pixels, track.line.last(), Neighbours::NONE, noise_q8));
             }
         }
     }
@@ -180,7 +181,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Option::as_ref);
             // One per slot at most.
-            if let Some(track) = track.filter(|track| track.line.last().row != row) {
+            if let Some(track) = track.filter(|track| track.line.last().row != row && !track.is_hidden()) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
                 let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
@@ -249,6 +250,35 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         if !taken {
             self.begin(pair.edge);
         }
+    }
+
+    /// A young line may be one that was hidden: that goes on with it.
+    fn resume_hidden(&mut self, limits: &Limits, row: u16) {
+        let mut index = 0;
+        while let Some(place) = self.under_way.get(index).copied() {
+            if self.resume(limits, row, place).is_some() {
+                self.under_way.swap_remove(index);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    fn resume(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
+        let slot = usize::from(place);
+        let young = self.tracks.get(slot)?.as_ref().filter(|young| young.is_young() && young.line.last().row == row)?;
+        let hidden = self.under_way.iter().filter_map(|other| {
+            let hidden = self.tracks.get(usize::from(*other))?.as_ref()?;
+            Some((hidden.resumed_by(young, limits)?, *other))
+        });
+        let (_, nearest) = hidden.min()?;
+        let young = self.tracks.get_mut(slot)?.take()?;
+        let resumed = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.resume(&young);
+        if !resumed {
+            *self.tracks.get_mut(slot)? = Some(young);
+            return None;
+        }
+        Some(())
     }
 
     /// Begins a tentative line, if there is room.
