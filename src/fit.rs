@@ -103,7 +103,8 @@ pub(crate) fn fit_line<S: Scalar, M: Motion<S>, const N: usize>(
     let edge = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?.edge;
     let mut solved = round::<S, N>(&sights, &edge, setup.uncertainty(), Round::Later)?;
     for _ in 0..MAX_CLEANINGS {
-        if !drop_strangers(&mut sights, &solved) {
+        let Some(doubtful) = doubt_strangers(&mut sights, &solved, setup.uncertainty())? else { break };
+        if !drop_strangers(&mut sights, &doubtful) {
             break;
         }
         let edge = round::<S, N>(&sights, &solved.edge, setup.uncertainty(), Round::Later)?.edge;
@@ -157,33 +158,63 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
         q = q + (dot(dm, sight.position) + q * dmx) / mx * (miss / per_px);
     }
     let w = edge.offset(cross(sight.direction, edge.lean), sight) / mx;
-    Some(Row { q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px })
+    Some(Row { q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px * sight.doubt })
 }
 
 const MAX_CLEANINGS: usize = 4;
+const DOUBTING_ROUNDS: usize = 8;
+/// Beyond so many times the usual deviation a sample is of something else.
+const STRANGE: i32 = 4;
 
-/// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
-/// five times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
-/// if more do not fit, then this is no straight edge.
-fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
-    let kept = || solved.rows.iter().zip(sights.iter()).filter(|(_, sight)| sight.kept);
-    let sizes = || kept().map(|(row, _)| solved.solution.deviation(row).abs());
-    let count = sizes().count();
-    // The median without a sort: the value that has half of the others below it.
-    let below = |limit: S| sizes().filter(|size| *size < limit).count();
-    let Some(median) = sizes().filter(|size| 2 * below(*size) <= count).reduce(S::max) else { return false };
-    let usual = (median * S::ratio(3, 2)).max(S::ONE);
-    let limit = usual * S::from_i32(5);
-    let strangers = sizes().filter(|size| *size > limit).count();
-    if strangers == 0 || 3 * (sights.len() - count + strangers) > sights.len() {
-        return false;
+/// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
+/// `None` where none deviates enough.
+fn doubt_strangers<S: Scalar, const N: usize>(
+    sights: &mut [Sight<S>],
+    solved: &Solved<S, N>,
+    uncertainty: &Uncertainty<S>,
+) -> Result<Option<Solved<S, N>>, FitError> {
+    let worst = deviations(sights, solved).reduce(S::max);
+    if !worst.is_some_and(|worst| worst > S::from_i32(STRANGE)) {
+        return Ok(None);
     }
-    for (sight, row) in sights.iter_mut().zip(&solved.rows) {
-        sight.kept &= solved.solution.deviation(row).abs() <= limit;
+    let mut solved = solved.clone();
+    for _ in 0..DOUBTING_ROUNDS {
+        for (sight, row) in sights.iter_mut().zip(&solved.rows) {
+            let deviation = solved.solution.deviation(row).abs() * sight.doubt;
+            sight.doubt = deviation.max(S::ONE).min(S::from_i32(10_000)).sqrt();
+        }
+        solved = round::<S, N>(sights, &solved.edge, uncertainty, Round::Later)?;
     }
-    true
+    Ok(Some(solved))
 }
 
+/// How far off the samples are that are still in, in units of their own noise.
+fn deviations<S: Scalar, const N: usize>(sights: &[Sight<S>], solved: &Solved<S, N>) -> impl Iterator<Item = S> {
+    let kept = solved.rows.iter().zip(sights).filter(|(_, sight)| sight.kept);
+    kept.map(|(row, sight)| solved.solution.deviation(row).abs() * sight.doubt)
+}
+
+/// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
+/// four times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
+/// if more do not fit, then this is no straight edge. Doubt ends here.
+fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
+    let sizes: Vec<S, N> = deviations(sights, solved).collect();
+    let count = sizes.len();
+    // The median without a sort: the value that has half of the others below it.
+    let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
+    let median = sizes.iter().copied().filter(|size| 2 * below(*size) <= count).reduce(S::max).unwrap_or(S::ONE);
+    let limit = (median * S::ratio(3, 2)).max(S::ONE) * S::from_i32(STRANGE);
+    let strangers = sizes.iter().filter(|size| **size > limit).count();
+    let drop = strangers > 0 && 3 * (sights.len() - count + strangers) <= sights.len();
+    for (sight, row) in sights.iter_mut().zip(&solved.rows) {
+        let strange = solved.solution.deviation(row).abs() * sight.doubt > limit;
+        sight.kept &= !(drop && strange);
+        sight.doubt = S::ONE;
+    }
+    drop
+}
+
+#[derive(Clone)]
 struct Solved<S, const N: usize> {
     edge: LineInSpace<S>,
     solution: Solution<S>,

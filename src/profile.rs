@@ -21,8 +21,8 @@ pub(crate) struct Profile {
     unrest_q8: [u16; 2],
     /// One sigma of the pixels' noise when the line was confirmed.
     white_q8: u16,
-    /// Whether there was texture on either side.
-    restless: bool,
+    /// Rows with texture on either side.
+    restless_rows: u16,
 }
 
 /// What one row says, given the profile.
@@ -56,6 +56,20 @@ pub(crate) struct Neighbours {
 impl Neighbours {
     /// None near enough to matter.
     pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+
+    /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
+    /// noise breaks a long blur.
+    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
+        let mut around = Self::NONE;
+        for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
+            if column_q16 < edge.column_q16 {
+                around.left_q16 = around.left_q16.max(i64::from(column_q16));
+            } else if column_q16 > edge.column_q16 {
+                around.right_q16 = around.right_q16.min(i64::from(column_q16));
+            }
+        }
+        around
+    }
 }
 
 /// Pixels of plateau on either side that tell its level.
@@ -80,9 +94,9 @@ impl Profile {
             unrest(pixels, edge.column_q16, blur_q8, Side::Left, around)?,
             unrest(pixels, edge.column_q16, blur_q8, Side::Right, around)?,
         ];
-        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8, white_q8, restless: false };
-        let restless = unrest_q8.iter().any(|unrest| profile.is_restless(*unrest));
-        let profile = Self { restless, ..profile };
+        // One row alone is soon outweighed.
+        let unrest_q8 = unrest_q8.map(|unrest| unrest.min(white_q8.saturating_mul(2)));
+        let profile = Self { left_q8, right_q8, blur_q8, noise_q16, rows: 1, unrest_q8, white_q8, restless_rows: 0 };
         let polarity = if profile.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
         (polarity == edge.polarity && profile.contrast_q8().abs() >= LEAST_CONTRAST_Q8).then_some(profile)
     }
@@ -95,7 +109,7 @@ impl Profile {
     pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
         let mut profile = Self::new(pixels, edge, around, noise_q8)?;
         let found = profile.locate(pixels, i64::from(edge.column_q16), i64::from(u16::MAX), around)?;
-        Some(Edge { column_q16: found.column_q16, sigma_q16: (found.sigma_q16 + found.sigma_q16 / 4) / profile.like_rows(), ..*edge })
+        Some(Edge { column_q16: found.column_q16, sigma_q16: found.sigma_q16 + found.sigma_q16 / 4, ..*edge })
     }
 
     /// The edge near the expected column, and a better profile; `None` where the row shows something else.
@@ -191,11 +205,9 @@ impl Profile {
         let of_noise_q16 =
             ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;
         // A level that is wrong by u shifts the edge by u σ/(0.56 A), and beside texture for some rows in the same direction.
-        let of_texture_q16 = match self.restless {
-            true => (self.unrest_q8.iter().map(|unrest| i64::from(*unrest)).sum::<i64>() * blur_q16 / 2)
-                .checked_div(contrast.abs())?,
-            false => 0,
-        };
+        let restless =
+            self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
+        let of_texture_q16 = (restless.sum::<i64>() * blur_q16 / 2).checked_div(contrast.abs())?;
         let sigma_q16 = ((of_noise_q16 * of_noise_q16 + of_texture_q16 * of_texture_q16) as u64).isqrt() as i64;
         Some(Fit {
             shift_q16,
@@ -210,7 +222,8 @@ impl Profile {
 
     /// How many times larger than a row's own noise its sigma is stated, for what it has in common with the rows around it.
     pub(crate) const fn like_rows(&self) -> u32 {
-        if self.restless { LIKE_ROWS } else { 1 }
+        let restless = self.restless_rows >= 16 && self.restless_rows >= self.rows / 4;
+        if restless { LIKE_ROWS } else { 1 }
     }
 
     /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
@@ -244,7 +257,8 @@ impl Profile {
             *right_unrest = toward(*right_unrest, i64::from(level.abs_diff(self.right_q8)), rows.min(16));
             self.right_q8 = toward(self.right_q8, i64::from(level), rows.min(32));
         }
-        self.restless |= self.unrest_q8.iter().any(|unrest| self.is_restless(*unrest));
+        let restless = self.unrest_q8.iter().any(|unrest| self.is_restless(*unrest));
+        self.restless_rows = self.restless_rows.saturating_add(u16::from(restless));
         let blur = i64::from(self.blur_q8);
         let wider = blur + fit.widening_q8.clamp(-blur / 2, blur);
         self.blur_q8 = toward(self.blur_q8, wider, rows.min(16)).clamp(LEAST_BLUR_Q8, MOST_BLUR_Q8);

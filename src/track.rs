@@ -17,6 +17,8 @@ pub(crate) struct Track<const KNOTS: usize> {
     /// What the edge looks like, once it is confirmed and there are pixels to tell.
     pub(crate) profile: Option<Profile>,
     missed_rows: u16,
+    /// Edges since the last one that looked as expected.
+    strange_edges: u8,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,10 +33,12 @@ const MEMORY_EDGES: i64 = 64;
 const LEAST_MEMORY_EDGES: i64 = 16;
 /// Rows without an edge after which a line of pixels is hidden.
 const MOST_GUESSED_ROWS: u16 = 4;
-/// Most that the slopes of two parts of an edge differ, in 1/65536 px per row, times the edges of the younger: what it may be off.
-const MOST_TURN_Q16: u32 = 5 << 14;
+/// Most that the slopes of two parts of an edge differ, in 1/65536 px per row; less where the younger has more than ten edges.
+const MOST_TURN_Q16: u32 = 1 << 14;
 /// A line of more edges is one of its own.
-const MOST_YOUNG_EDGES: u16 = 24;
+const MOST_YOUNG_EDGES: u16 = 32;
+/// Edges that do not look as expected, after which a new look is taken.
+const MOST_STRANGE_EDGES: u8 = 8;
 /// No gate is wider.
 const MAX_GATE_Q16: i64 = 48 << 16;
 
@@ -47,6 +51,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             slope_q16: 0,
             profile: None,
             missed_rows: 0,
+            strange_edges: 0,
         }
     }
 
@@ -119,6 +124,18 @@ impl<const KNOTS: usize> Track<KNOTS> {
         true
     }
 
+    /// Takes an edge that its row shows on its own. Where these go on and none looks as expected, what was seen when the line
+    /// was confirmed was something else.
+    pub(crate) fn take_scanned(&mut self, edge: Edge, limits: &Limits) -> bool {
+        let taken = self.take(edge, limits);
+        self.strange_edges = self.strange_edges.saturating_add(u8::from(taken));
+        if self.strange_edges > MOST_STRANGE_EDGES {
+            self.strange_edges = 0;
+            self.profile = None;
+        }
+        taken
+    }
+
     /// The edge in a row of pixels, from its profile.
     pub(crate) fn locate(
         &mut self,
@@ -131,17 +148,15 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let before = profile.like_rows();
         let mut found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, around)?;
         // What a row beside texture has in common with its neighbours holds for the rows before as well.
-        self.line.widen(profile.like_rows() / before);
+        let after = profile.like_rows();
+        if after > before {
+            self.line.widen(after);
+        }
+        self.strange_edges = 0;
         // A row that disagrees with its line weighs less.
         let off_q16 = i64::from(found.column_q16).abs_diff(prediction.column_q16);
         found.sigma_q16 = found.sigma_q16.max((off_q16 / 2).min(1 << 24) as u32 * profile.like_rows());
         Some(found.at(at.row, at.time_ns))
-    }
-
-    /// What the edge looks like from now on.
-    pub(crate) fn show(&mut self, profile: Option<Profile>) {
-        self.line.widen(profile.as_ref().map_or(1, Profile::like_rows));
-        self.profile = profile;
     }
 
     /// Whether the line is out of sight: it is then not looked for any more, where texture would soon pass for it.
@@ -159,9 +174,10 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let prediction = self.predict(young.line.last().row, limits);
         let off_q16 = young.column_q16.abs_diff(prediction.column_q16);
         let turn_q16 = self.slope_q16.abs_diff(young.slope_q16);
+        let most_turn_q16 = (MOST_TURN_Q16 * 10 / u32::from(young.line.edges().max(1))).min(MOST_TURN_Q16);
         let alike = self.is_hidden()
             && young.line.first().polarity == self.line.first().polarity
-            && turn_q16 <= MOST_TURN_Q16 / u32::from(young.line.edges());
+            && turn_q16 <= most_turn_q16;
         (alike && off_q16 <= prediction.gate_q16.unsigned_abs()).then_some(off_q16)
     }
 

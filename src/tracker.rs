@@ -134,9 +134,16 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Learns what newly confirmed lines look like from the row that they were last seen in.
     pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
         for place in &self.under_way {
-            let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) else { continue };
-            if track.state == State::Confirmed && track.profile.is_none() && track.line.last().row == row {
-                track.show(Profile::new(pixels, track.line.last(), Neighbours::NONE, noise_q8));
+            let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Option::as_ref);
+            let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.profile.is_none();
+            let Some(edge) = track(place).filter(is_new).map(|track| *track.line.last()) else { continue };
+            if edge.row == row {
+                let others = self.under_way.iter().filter_map(track).map(|track| track.line.last());
+                let around = Neighbours::among(others.filter(|other| other.row == row), &edge);
+                let profile = Profile::new(pixels, &edge, around, noise_q8);
+                if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
+                    track.profile = profile;
+                }
             }
         }
     }
@@ -244,7 +251,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return;
         }
         let taken = match self.tracks.get_mut(pair.slot) {
-            Some(Some(track)) => track.take(pair.edge, limits),
+            Some(Some(track)) => track.take_scanned(pair.edge, limits),
             _ => false,
         };
         if !taken {
