@@ -289,7 +289,7 @@ fn lean_is_taken_for_a_distance(degrees: f32, speed_m_s: f64, time_s: f32, seed:
 #[test]
 fn motion_blur_tells_leaning_bars() {
     let mut taken = 0;
-    for degrees in [8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 45.0, 50.0, 60.0] {
+    for degrees in [8.0, 9.0, 10.0, 11.0, 12.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0] {
         for (lean, speed_m_s) in [(degrees, 1.5), (-degrees, 1.5), (degrees, 0.5), (-degrees, -1.5)] {
             for time_s in [0.002, 0.005, 0.008] {
                 let ok = |known| lean_is_taken_for_a_distance(lean, speed_m_s, time_s, 1, known);

@@ -164,7 +164,7 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
 const MAX_CLEANINGS: usize = 4;
 const DOUBTING_ROUNDS: usize = 8;
 /// Beyond so many times the usual deviation a sample is of something else.
-const STRANGE: i32 = 4;
+const STRANGE: i32 = 6;
 
 /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
 /// `None` where none deviates enough.
@@ -195,15 +195,15 @@ fn deviations<S: Scalar, const N: usize>(sights: &[Sight<S>], solved: &Solved<S,
 }
 
 /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
-/// four times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
+/// six times the usual deviation, which is that of two thirds of them and one sigma at least. A third of them at most:
 /// if more do not fit, then this is no straight edge. Doubt ends here.
 fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
     let sizes: Vec<S, N> = deviations(sights, solved).collect();
     let count = sizes.len();
-    // The median without a sort: the value that has half of the others below it.
+    // What two thirds of normal values stay below, one sigma, without a sort.
     let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
-    let median = sizes.iter().copied().filter(|size| 2 * below(*size) <= count).reduce(S::max).unwrap_or(S::ONE);
-    let limit = (median * S::ratio(3, 2)).max(S::ONE) * S::from_i32(STRANGE);
+    let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * count).reduce(S::max).unwrap_or(S::ONE);
+    let limit = usual.max(S::ONE) * S::from_i32(STRANGE);
     let strangers = sizes.iter().filter(|size| **size > limit).count();
     let drop = strangers > 0 && 3 * (sights.len() - count + strangers) <= sights.len();
     for (sight, row) in sights.iter_mut().zip(&solved.rows) {

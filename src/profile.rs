@@ -222,7 +222,7 @@ impl Profile {
 
     /// How many times larger than a row's own noise its sigma is stated, for what it has in common with the rows around it.
     pub(crate) const fn like_rows(&self) -> u32 {
-        let restless = self.restless_rows >= 16 && self.restless_rows >= self.rows / 4;
+        let restless = self.restless_rows >= 4 && self.restless_rows > self.rows / 4;
         if restless { LIKE_ROWS } else { 1 }
     }
 

@@ -88,12 +88,14 @@ impl<S: Scalar> Range<S> {
     }
 }
 
-/// A short line of pixels that fits badly is a piece of something else: only a long one can be straight beside a restless
-/// background. Edges of unknown width are somebody's own, with a noise that may be understated.
+/// A short line of pixels that fits badly or has gaps is a piece of something else: only a long one can be straight beside a
+/// restless background. Edges of unknown width are somebody's own, with a noise that may be understated.
 fn is_fragment<S: Scalar, const KNOTS: usize>(range: &Range<S>, line: &Line<KNOTS>) -> bool {
     const LONG_EDGES: u16 = 48;
     let of_pixels = line.last().width_q8 > 0;
-    of_pixels && range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(3, 2)
+    let rows = u32::from(range.last_row.abs_diff(range.first_row)) + 1;
+    let has_gaps = u32::from(range.edges) * 4 < rows * 3;
+    of_pixels && range.edges < LONG_EDGES && (has_gaps || range.estimate.misfit > S::ratio(3, 2))
 }
 
 /// Whether the edges' width contradicts the motion that their slope implies.
@@ -112,24 +114,25 @@ fn blur_contradicts<S: Scalar, M: Motion<S>, const KNOTS: usize>(
     let (Some(blur), Some(width)) = (setup.motion_blur(), line.mean_width_px::<S>()) else {
         return false;
     };
+    // An edge that the row does not cross half an exposure earlier or later is none.
     let Some(path) = path_px(setup, motion, line, edge, blur.exposure_s) else {
-        return false;
+        return true;
     };
     let twelfth = S::ratio(1, 12);
     let lens = blur.lens_blur_px;
-    let expected = lens * lens + twelfth + path * path * twelfth;
+    let of_path = |path: S| lens * lens + twelfth + path * path * twelfth;
     let measured = width * width;
-    // One sigma of each part: the lens, the path, the width (√2 of the column's, per edge), and the shape of the profile.
-    let relative = estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m;
+    // The path is only as sure as the slope: two sigma less and two more.
+    let two = S::from_i32(2) * estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m;
+    let least = of_path(path * (S::ONE - two).max(S::ZERO));
+    let most = of_path(path * (S::ONE + two));
+    // One sigma of each other part: the lens, the width (√2 of the column's, per edge), and the shape of the profile.
     let of_lens = S::ratio(2, 1) * lens * blur.sigma_lens_blur_px;
-    let of_path = path * path * twelfth * S::ratio(2, 1) * relative;
     let edges = S::from_i32(i32::from(line.edges()));
     let sigma_px = S::from_ratio(i64::from(line.last().sigma_q16), 1 << 16);
     let of_width = width * sigma_px * S::ratio(283, 100) / edges.sqrt();
-    let of_shape = expected * S::ratio(7, 100);
-    let sigma = hypot(hypot(of_lens, of_path), hypot(of_width, of_shape));
-    let four = sigma * S::from_i32(4);
-    measured < expected - four || measured > expected * S::ratio(3, 2) + four
+    let four = |expected: S| hypot(hypot(of_lens, of_width), expected * S::ratio(7, 100)) * S::from_i32(4);
+    measured < least - four(least) || measured > most * S::ratio(3, 2) + four(most)
 }
 
 /// Path of the edge along its row during the exposure, in pixels, in the middle of the line.
