@@ -200,7 +200,8 @@ impl Profile {
         let widening_q8 = per(sums.residual_width, sums.width_width.max(1 << 15))? >> 8;
         let per_slope = sums.residual_slope.checked_div((sums.slope_slope >> 15).max(1))?;
         let explained = (per_slope * sums.residual_slope) >> 15;
-        let residual_q16 = ((sums.residual_residual - explained).max(0)) / (count - 2 - i64::from(left_free) - i64::from(right_free)).max(1);
+        let residual_q16 = ((sums.residual_residual - explained).max(0))
+            / (count - 2 - i64::from(left_free) - i64::from(right_free)).max(1);
         let noise_q8 = i64::from(self.noise_q16.isqrt());
         let of_noise_q16 =
             ((noise_q8 * blur_q16) << 15).checked_div(contrast.abs() * (sums.slope_slope as u64).isqrt() as i64)?;

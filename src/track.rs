@@ -171,13 +171,14 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// How far off the hidden line a young one goes on, if it may be the same edge.
     pub(crate) fn resumed_by(&self, young: &Self, limits: &Limits) -> Option<u64> {
+        if !self.is_hidden() {
+            return None;
+        }
         let prediction = self.predict(young.line.last().row, limits);
         let off_q16 = young.column_q16.abs_diff(prediction.column_q16);
         let turn_q16 = self.slope_q16.abs_diff(young.slope_q16);
         let most_turn_q16 = (MOST_TURN_Q16 * 10 / u32::from(young.line.edges().max(1))).min(MOST_TURN_Q16);
-        let alike = self.is_hidden()
-            && young.line.first().polarity == self.line.first().polarity
-            && turn_q16 <= most_turn_q16;
+        let alike = young.line.first().polarity == self.line.first().polarity && turn_q16 <= most_turn_q16;
         (alike && off_q16 <= prediction.gate_q16.unsigned_abs()).then_some(off_q16)
     }
 
