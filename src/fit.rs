@@ -198,20 +198,24 @@ fn deviations<S: Scalar, const N: usize>(sights: &[Sight<S>], solved: &Solved<S,
 /// six times the usual deviation, which is that of two thirds of them and one sigma at least. A third of them at most:
 /// if more do not fit, then this is no straight edge. Doubt ends here.
 fn drop_strangers<S: Scalar, const N: usize>(sights: &mut [Sight<S>], solved: &Solved<S, N>) -> bool {
-    let sizes: Vec<S, N> = deviations(sights, solved).collect();
+    let mut sizes: Vec<S, N> = Vec::new();
+    // As many as sights.
+    for size in deviations(sights, solved) {
+        let _ = sizes.push(size);
+    }
     let count = sizes.len();
     // What two thirds of normal values stay below, one sigma, without a sort.
     let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
     let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * count).reduce(S::max).unwrap_or(S::ONE);
     let limit = usual.max(S::ONE) * S::from_i32(STRANGE);
     let strangers = sizes.iter().filter(|size| **size > limit).count();
-    let drop = strangers > 0 && 3 * (sights.len() - count + strangers) <= sights.len();
+    let leave_out = strangers > 0 && 3 * (sights.len() - count + strangers) <= sights.len();
     for (sight, row) in sights.iter_mut().zip(&solved.rows) {
         let strange = solved.solution.deviation(row).abs() * sight.doubt > limit;
-        sight.kept &= !(drop && strange);
+        sight.kept &= !(leave_out && strange);
         sight.doubt = S::ONE;
     }
-    drop
+    leave_out
 }
 
 #[derive(Clone)]

@@ -175,7 +175,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
                 rows: knot.rows.saturating_add(start.rows * u32::from(edges)),
                 ..*knot
             };
-            self.add(&knot, (knot.rows / u32::from(edges)) as u16);
+            self.add(&knot, knot.rows.checked_div(u32::from(edges)).unwrap_or(0) as u16);
         }
         self.last = later.last;
         self.edges = self.edges.saturating_add(later.edges);

@@ -182,13 +182,22 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_edges = self.counters.dropped_edges.saturating_add(1);
     }
 
-    /// Predictions of all lines under way that the row has not shown yet, from left to right.
+    /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
+    /// hidden ones would leave no place for what they wait for.
+    fn has_room_to_resume(&self) -> bool {
+        let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.as_ref());
+        let hidden = tracks.filter(|track| track.is_hidden()).count();
+        self.under_way.len() + self.ended.len() + hidden <= LINES
+    }
+
+    /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
     fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
+        let room = self.has_room_to_resume();
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Option::as_ref);
             // One per slot at most.
-            if let Some(track) = track.filter(|track| track.line.last().row != row && !track.is_hidden()) {
+            if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
                 let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
@@ -263,7 +272,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     fn resume_hidden(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
-            if self.resume(limits, row, place).is_some() {
+            if self.resume(limits, row, place).is_some() && index < self.under_way.len() {
                 self.under_way.swap_remove(index);
             } else {
                 index += 1;
