@@ -241,6 +241,25 @@ fn a_rail_hides_a_stretch() {
     }
 }
 
+/// Hidden lines go on also where the table has no place for newcomers.
+#[test]
+fn a_rail_hides_a_stretch_and_the_table_is_full() {
+    let rail = Rail { depth_m: 1.0, top_m: 0.02, bottom_m: 0.08, level: 120.0 };
+    let posts = [Bar::upright(-0.2, 1.5, 0.08, 60.0), Bar::upright(0.2, 2.0, 0.1, 60.0)];
+    let scene = scene_of(180.0, [posts[0].into(), posts[1].into(), rail.into()]);
+    let world = moving(1.5);
+    let (frame, truths) = render(&scene, &world, TOP, Exposure::default(), 1);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    let mut ranger: Ranger<4, 10, 32> = Ranger::new();
+    for (row, pixels) in (0..).zip(&frame) {
+        ranger.row(&setup, row, pixels).expect("rows in order");
+    }
+    ranger.end_frame(&setup);
+    let found = ranger.ranges(&setup, &world.motion());
+    assert_found("a full table", &found, &truths, 0.02);
+    assert!(found.iter().all(|range| range.last_row >= ROWS - 3), "{found:#?}");
+}
+
 #[test]
 fn bars_that_leave_at_the_side() {
     for seed in 1..6 {
@@ -289,7 +308,7 @@ fn lean_is_taken_for_a_distance(degrees: f32, speed_m_s: f64, time_s: f32, seed:
 #[test]
 fn motion_blur_tells_leaning_bars() {
     let mut taken = 0;
-    for degrees in [8.0, 10.0, 12.0, 15.0, 20.0, 25.0, 30.0, 40.0, 45.0, 50.0, 60.0] {
+    for degrees in [8.0, 9.0, 10.0, 11.0, 12.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0] {
         for (lean, speed_m_s) in [(degrees, 1.5), (-degrees, 1.5), (degrees, 0.5), (-degrees, -1.5)] {
             for time_s in [0.002, 0.005, 0.008] {
                 let ok = |known| lean_is_taken_for_a_distance(lean, speed_m_s, time_s, 1, known);

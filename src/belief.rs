@@ -108,10 +108,9 @@ impl<S: Scalar> BlurWitness<S> {
         hypot(self.sigma_px2, self.per_lens_px() * self.sigma_lens_px)
     }
 
-    /// By how much the measured variance exceeds what the path explains, in square pixels.
-    pub(crate) fn excess_px2(&self, edge: &LineInSpace<S>) -> Option<S> {
-        let path = self.path_px(edge)?;
-        Some(self.measured_px2 - self.lens_and_pixel_px2() - path * path * S::ratio(1, 12))
+    /// By how much the measured variance exceeds what a path explains, in square pixels.
+    pub(crate) fn excess_px2(&self, path_px: S) -> S {
+        self.measured_px2 - self.lens_and_pixel_px2() - path_px * path_px * S::ratio(1, 12)
     }
 
     /// Change of the variance with the lens's blur.
@@ -126,7 +125,7 @@ impl<S: Scalar> BlurWitness<S> {
         let q = path * S::ratio(1, 6) * (edge.miss_per_inverse_depth(begin)? - edge.miss_per_inverse_depth(end)?);
         let is_lens = cause_at(Cause::Lens);
         Some(BelievedRow {
-            row: Row { one: S::ZERO, q, w: S::ZERO, y: self.excess_px2(edge)?, root_weight: self.joint_sigma_px2() },
+            row: Row { one: S::ZERO, q, w: S::ZERO, y: self.excess_px2(path), root_weight: self.joint_sigma_px2() },
             errors: core::array::from_fn(|index| if is_lens(index) { -self.per_lens_px() } else { S::ZERO }),
         })
     }

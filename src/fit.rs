@@ -118,7 +118,8 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     };
     let mut solved = problem.settle_in_front(&start)?;
     for _ in 0..MAX_CLEANINGS {
-        if !problem.drop_strangers(&solved) {
+        let Some(doubtful) = problem.doubt_strangers(&solved)? else { break };
+        if !problem.drop_strangers(&doubtful) {
             break;
         }
         solved = problem.settle(&solved.edge)?;
@@ -184,10 +185,13 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
         q = q + (dot(dm, sight.position) + q * dmx) / mx * (miss / per_px);
     }
     let w = edge.offset(cross(sight.direction, edge.lean), sight) / mx;
-    Some(Row { one: S::ONE, q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px })
+    Some(Row { one: S::ONE, q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px * sight.doubt })
 }
 
 const MAX_CLEANINGS: usize = 4;
+const DOUBTING_ROUNDS: usize = 8;
+/// Beyond so many times the usual deviation a sample is of something else.
+const STRANGE: i32 = 6;
 const MOST_ROUNDS: usize = 8;
 
 struct Problem<'a, S, const N: usize> {
@@ -252,27 +256,53 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(if other.edge.inverse_depth > S::ZERO && is_as_good { other } else { solved })
     }
 
+    /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
+    /// `None` where none deviates enough.
+    fn doubt_strangers(&mut self, solved: &Solved<S, N>) -> Result<Option<Solved<S, N>>, FitError> {
+        let worst = self.deviations(solved).reduce(S::max);
+        if !worst.is_some_and(|worst| worst > S::from_i32(STRANGE)) {
+            return Ok(None);
+        }
+        let mut doubtful = None;
+        for _ in 0..DOUBTING_ROUNDS {
+            let last = doubtful.as_ref().unwrap_or(solved);
+            for (sight, row) in self.sights.iter_mut().zip(&last.rows.observed) {
+                let deviation = last.solution.deviation(row).abs() * sight.doubt;
+                sight.doubt = deviation.max(S::ONE).min(S::from_i32(10_000)).sqrt();
+            }
+            doubtful = Some(self.round(&last.edge, Round::Later)?);
+        }
+        Ok(doubtful)
+    }
+
+    /// How far off the samples are that are still in, in units of their own noise.
+    fn deviations(&self, solved: &Solved<S, N>) -> impl Iterator<Item = S> {
+        let kept = solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept);
+        kept.map(|(row, sight)| solved.solution.deviation(row).abs() * sight.doubt)
+    }
+
     /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
-    /// five times the usual deviation, which is taken from the median and is one sigma at least. A third of them at most:
-    /// if more do not fit, then this is no straight edge.
-    fn drop_strangers(&mut self, solved: &Solved<S, N>) -> bool {
-        let size = |row: &Row<S>| solved.solution.deviation(row).abs();
-        let kept = || solved.rows.observed.iter().zip(self.sights.iter()).filter(|(_, sight)| sight.kept);
-        let sizes = || kept().map(|(row, _)| size(row));
-        let count = sizes().count();
-        // The median without a sort: the value that has half of the others below it.
-        let below = |limit: S| sizes().filter(|size| *size < limit).count();
-        let Some(median) = sizes().filter(|size| 2 * below(*size) <= count).reduce(S::max) else { return false };
-        let usual = (median * S::ratio(3, 2)).max(S::ONE);
-        let limit = usual * S::from_i32(5);
-        let strangers = sizes().filter(|size| *size > limit).count();
-        if strangers == 0 || 3 * (self.sights.len() - count + strangers) > self.sights.len() {
-            return false;
+    /// six times the usual deviation, which is that of two thirds of them and one sigma at least. A third of them at most:
+    /// if more do not fit, then this is no straight edge. Doubt ends here.
+    fn drop_strangers(&mut self, doubtful: &Solved<S, N>) -> bool {
+        let mut sizes: Vec<S, N> = Vec::new();
+        for size in self.deviations(doubtful) {
+            // As many as sights.
+            let _ = sizes.push(size);
         }
-        for (sight, row) in self.sights.iter_mut().zip(&solved.rows.observed) {
-            sight.kept &= size(row) <= limit;
+        let count = sizes.len();
+        // What two thirds of normal values stay below, one sigma, without a sort.
+        let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
+        let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * count).reduce(S::max).unwrap_or(S::ONE);
+        let limit = usual.max(S::ONE) * S::from_i32(STRANGE);
+        let strangers = sizes.iter().filter(|size| **size > limit).count();
+        let leave_out = strangers > 0 && 3 * (self.sights.len() - count + strangers) <= self.sights.len();
+        for (sight, row) in self.sights.iter_mut().zip(&doubtful.rows.observed) {
+            let strange = doubtful.solution.deviation(row).abs() * sight.doubt > limit;
+            sight.kept &= !(leave_out && strange);
+            sight.doubt = S::ONE;
         }
-        true
+        leave_out
     }
 
     fn straightness(&self, solved: &Solved<S, N>) -> Straightness<S> {

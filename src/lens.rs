@@ -16,9 +16,12 @@ pub struct LensWitness<S> {
 }
 
 impl<S: Scalar> LensWitness<S> {
-    pub(crate) fn new(witness: &BlurWitness<S>, excess_px2: S, sigma_of_path_px2: S) -> Self {
+    pub(crate) fn new(witness: &BlurWitness<S>, path_px: S, sigma_of_path_px2: S) -> Self {
         let lens = witness.lens_px;
-        Self { variance_px2: lens * lens + excess_px2, sigma_px2: hypot(witness.sigma_px2, sigma_of_path_px2) }
+        Self {
+            variance_px2: lens * lens + witness.excess_px2(path_px),
+            sigma_px2: hypot(witness.sigma_px2, sigma_of_path_px2),
+        }
     }
 }
 

@@ -125,6 +125,8 @@ pub struct Line<const KNOTS: usize> {
     first: Edge,
     last: Edge,
     edges: u16,
+    /// Rows in which several other edges were near.
+    crowded_rows: u16,
     /// Rows per knot: 2 to this power.
     span_log2: u8,
 }
@@ -136,7 +138,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     #[must_use]
     pub fn new(first: Edge) -> Self {
         let () = Self::AT_LEAST_FOUR;
-        let mut line = Self { knots: Vec::new(), first, last: first, edges: 1, span_log2: 0 };
+        let mut line = Self { knots: Vec::new(), first, last: first, edges: 1, crowded_rows: 0, span_log2: 0 };
         line.add(&Knot::of(&first, &first), 0);
         line
     }
@@ -157,6 +159,46 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.last = edge;
         self.edges = self.edges.saturating_add(1);
         Ok(())
+    }
+
+    /// Appends a later line, knot by knot.
+    ///
+    /// *Errors*: as [`Line::push`]; nothing has changed then.
+    pub(crate) fn append(&mut self, later: &Self) -> Result<(), OutOfOrder> {
+        let mut joined = self.clone();
+        joined.push(later.first)?;
+        joined.push(later.last)?;
+        let start = Knot::of(&later.first, &self.first);
+        for knot in later.knots.iter().filter(|knot| knot.edges > 0) {
+            let edges = knot.edges;
+            let knot = Knot {
+                columns_q16: knot.columns_q16.saturating_add(start.columns_q16 * i64::from(edges)),
+                times_ns: knot.times_ns.saturating_add(start.times_ns.saturating_mul(i64::from(edges))),
+                rows: knot.rows.saturating_add(start.rows * u32::from(edges)),
+                ..*knot
+            };
+            self.add(&knot, knot.rows.checked_div(u32::from(edges)).unwrap_or(0) as u16);
+        }
+        self.last = later.last;
+        self.edges = self.edges.saturating_add(later.edges);
+        Ok(())
+    }
+
+    /// Multiplies the sigmas of all edges so far.
+    pub(crate) fn widen(&mut self, factor: u32) {
+        let square = u64::from(factor) * u64::from(factor);
+        for knot in &mut self.knots {
+            knot.variances_q32 = knot.variances_q32.saturating_mul(square);
+        }
+    }
+
+    pub(crate) fn count_crowded_row(&mut self) {
+        self.crowded_rows = self.crowded_rows.saturating_add(1);
+    }
+
+    /// Whether most of it lies among other edges, as in texture or clutter.
+    pub(crate) const fn is_crowded(&self) -> bool {
+        self.crowded_rows > self.edges / 2
     }
 
     /// The edge that was read first.

@@ -22,6 +22,8 @@ pub(crate) struct Profile {
     unrest_q8: [u16; 2],
     /// One sigma of the pixels' noise when the line was confirmed.
     white_q8: u16,
+    /// Rows with texture on either side.
+    restless_rows: u16,
 }
 
 /// What one row says, given the profile.
@@ -76,8 +78,12 @@ impl Neighbours {
 
 /// Pixels of plateau on either side that tell its level.
 const PLATEAU: i64 = 4;
+/// Pixels of it beside texture.
+const BESIDE: usize = 1;
 /// Least contrast in 1/256 grey level.
 const LEAST_CONTRAST_Q8: i32 = 4 << 8;
+/// Root of the number of rows in which texture errs alike.
+const LIKE_ROWS: u32 = 3;
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
@@ -87,7 +93,8 @@ impl Profile {
         let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
-        let mut profile = Self { levels_q16: [0; 2], blur_q12, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8 };
+        let mut profile =
+            Self { levels_q16: [0; 2], blur_q12, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8, restless_rows: 0 };
         profile.look_beside(pixels, i64::from(edge.column_q16), around)?;
         profile.is_of(edge).then_some(profile)
     }
@@ -179,7 +186,7 @@ impl Profile {
         self.learn(&fit);
         Some(ScannedEdge {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
-            sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
+            sigma_q16: u32::try_from(fit.sigma_q16 * i64::from(self.like_rows())).ok()?.max(1),
             width_q8,
             contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
         })
@@ -200,13 +207,20 @@ impl Profile {
         let (usual, [left_mean_q8, right_mean_q8]) = (i64::from(self.contrast_q8()), self.levels_q8());
         let mut sums = look.sums(&template, [left_mean_q8, right_mean_q8]);
         let off_q16 = sums.off_q16;
-        let [left_q8, right_q8] = self.departure(off_q16);
+        let [mut left_q8, mut right_q8] = self.departure(off_q16);
         if left_q8 != 0 || right_q8 != 0 {
             sums = look.sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
         }
+        let restless = self.unrest_q8.map(|unrest| self.is_restless(unrest));
+        if restless != [false; 2] {
+            // Beside texture no plateau tells the level at the edge: the edge's own pixels do.
+            let of_levels = look.level_sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+            let [left_change, right_change] = sums.free_levels(of_levels, restless);
+            (left_q8, right_q8) = (left_q8 + left_change, right_q8 + right_change);
+        }
         let contrast = usual + right_q8 - left_q8;
         // The same kind of edge: not so much weaker that it would only add noise, and at most twice as strong.
-        if contrast * usual.signum() * 4 < usual.abs() * 3 || contrast.abs() > 2 * usual.abs() {
+        if contrast * usual.signum() * 3 < usual.abs() * 2 || contrast.abs() > 2 * usual.abs() {
             return None;
         }
         // Both flanks must be in view.
@@ -244,7 +258,7 @@ impl Profile {
         // Beside texture, no plateau tells the level at the edge.
         let restless =
             self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
-        let of_texture_q8 = (restless.sum::<i64>() * half_q8) >> 8;
+        let of_texture_q8 = (restless.sum::<i64>() * half_q8) >> 10;
         let grey_q8 = root(variance_q16 + of_texture_q8 * of_texture_q8);
         Some((per_grey * grey_q8) >> 8)
     }
@@ -262,6 +276,12 @@ impl Profile {
         [of(left, left_unrest), of(right, right_unrest)]
     }
 
+    /// How many times larger than a row's own noise its sigma is stated, for what it has in common with the rows around it.
+    pub(crate) const fn like_rows(&self) -> u32 {
+        let restless = self.restless_rows >= 4 && self.restless_rows > self.rows / 4;
+        if restless { LIKE_ROWS } else { 1 }
+    }
+
     /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
     fn is_restless(&self, unrest_q8: u16) -> bool {
         u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
@@ -277,6 +297,8 @@ impl Profile {
             *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
             add(mean_q16, off_q16, rows.min(32));
         }
+        let restless = self.unrest_q8.iter().any(|unrest| self.is_restless(*unrest));
+        self.restless_rows = self.restless_rows.saturating_add(u16::from(restless));
         self.widen(fit.template_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
@@ -321,6 +343,26 @@ impl<'p> Look<'p> {
             plateaus: [part(from, flank_from)?, part(flank_to, to)?],
             off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
         })
+    }
+
+    /// What the flank says of the levels themselves, given those to expect.
+    fn level_sums(&self, template: &Template, levels_q8: [i64; 2]) -> LevelSums {
+        let mut sums = LevelSums::default();
+        let [left_q8, right_q8] = levels_q8;
+        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
+            let (step, slope) = (i64::from(place.step), i64::from(place.slope));
+            let residual = (i64::from(*pixel) << 8) - left_q8 - (((right_q8 - left_q8) * step) >> 15);
+            sums.add(residual, slope, [(1 << 15) - step, step]);
+        }
+        // And the pixels next to it.
+        let [left, right] = self.plateaus;
+        for pixel in left.iter().rev().take(BESIDE) {
+            sums.add((i64::from(*pixel) << 8) - left_q8, 0, [1 << 15, 0]);
+        }
+        for pixel in right.iter().take(BESIDE) {
+            sums.add((i64::from(*pixel) << 8) - right_q8, 0, [0, 1 << 15]);
+        }
+        sums
     }
 
     /// Given the levels to expect.
@@ -406,6 +448,71 @@ impl Sums {
         let of_shape = (own(self.residual_shape, self.shape_step) * part_q15) >> 15;
         let shared = ((self.widening_shape >> 15) * part_q15) >> 15;
         [(residual, square), (residual - of_shape, square - shared)]
+    }
+}
+
+/// Inner products with a level's share of each pixel of the flank.
+#[derive(Clone, Copy, Default)]
+struct Level {
+    own: i64,
+    residual: i64,
+    slope: i64,
+}
+
+/// Those of the left and of the right level, and of the two with each other.
+#[derive(Default)]
+struct LevelSums {
+    levels: [Level; 2],
+    shared: i64,
+}
+
+impl LevelSums {
+    fn add(&mut self, residual: i64, slope: i64, shares: [i64; 2]) {
+        for (level, share) in self.levels.iter_mut().zip(shares) {
+            level.own += share * share;
+            level.residual += share * residual;
+            level.slope += share * slope;
+        }
+        let [left, right] = shares;
+        self.shared += left * right;
+    }
+}
+
+impl Sums {
+    /// Leaves it to the edge's own pixels to tell the levels that are `free`: takes out of the sums what these levels explain,
+    /// by orthogonalisation, and returns what they are above the expected ones. From then on no level is off.
+    fn free_levels(&mut self, of_levels: LevelSums, free: [bool; 2]) -> [i64; 2] {
+        let LevelSums { levels: [mut left, mut right], shared } = of_levels;
+        let part = |of: i64, own: i64| (of << 15) / own.max(1);
+        let [left_free, right_free] = free;
+        let [left_off, right_off] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        self.off_q16 = [0; 2];
+        // What the plateaus tell of the other level is known.
+        if !left_free {
+            self.residual_slope -= (left_off * left.slope) >> 15;
+            right.residual -= (left_off * shared) >> 15;
+        }
+        if !right_free {
+            self.residual_slope -= (right_off * right.slope) >> 15;
+            left.residual -= (right_off * shared) >> 15;
+        }
+        if left_free && right_free {
+            let common = part(shared, left.own);
+            right.own = (right.own - ((common * shared) >> 15)).max(1 << 26);
+            right.residual -= (common * left.residual) >> 15;
+            right.slope -= (common * left.slope) >> 15;
+        }
+        for level in [left_free.then_some(left), right_free.then_some(right)].into_iter().flatten() {
+            self.slope_slope -= (part(level.slope, level.own) * level.slope) >> 15;
+            self.residual_slope -= (part(level.slope, level.own) * level.residual) >> 15;
+            self.residual_residual -= (part(level.residual, level.own) * level.residual) >> 15;
+        }
+        let shift = part(self.residual_slope, self.slope_slope);
+        let change = |level: &Level| part(level.residual - ((shift * level.slope) >> 15), level.own);
+        let right_change = if right_free { change(&right) } else { 0 };
+        left.residual -= (right_change * shared) >> 15;
+        let left_change = if left_free { change(&left) } else { 0 };
+        [left_change, right_change]
     }
 }
 

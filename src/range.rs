@@ -4,7 +4,6 @@ use crate::belief::{Belief, BlurWitness};
 use crate::estimate::{Estimate, Interval, RangeStatus};
 use crate::fit::{FitError, Fitted, fit_with};
 use crate::lens::LensWitness;
-use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
 use crate::state::State;
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
@@ -120,21 +119,36 @@ impl<S: Scalar> Range<S> {
     /// Hears what the blur has to say: of the lens, and whether it contradicts the motion that the slope implies. An edge
     /// that is sharper than its slope implies leans; one that is much more blurred, before a known lens, moves more than it shows.
     fn hear(&mut self, witness: &BlurWitness<S>, edge: &LineInSpace<S>, has_borne: bool) {
-        let (Some(path), Some(excess)) = (witness.path_px(edge), witness.excess_px2(edge)) else { return };
-        let estimate = &self.estimate;
-        let of_path = path * path * S::ratio(1, 12);
-        let relative = (estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m).abs();
-        let sigma_of_path = (of_path + of_path) * relative.min(S::ONE);
-        // An edge whose depth comes from its blur says nothing of the lens, unless it hardly moves.
-        if !has_borne || path.abs() < S::ONE {
-            self.lens = Some(LensWitness::new(witness, excess, sigma_of_path));
+        let path = witness.path_px(edge);
+        if let Some(path) = path {
+            let relative = self.relative_sigma();
+            let sigma_of_path = path * path * S::ratio(1, 6) * relative.min(S::ONE);
+            // An edge whose depth comes from its blur says nothing of the lens, unless it hardly moves.
+            if !has_borne || path.abs() < S::ONE {
+                self.lens = Some(LensWitness::new(witness, path, sigma_of_path));
+            }
         }
-        let four = hypot(witness.joint_sigma_px2(), sigma_of_path) * S::from_i32(4);
-        let expected = witness.lens_and_pixel_px2() + of_path;
-        let contradicts = excess < -four || excess > expected * S::ratio(1, 2) + four;
-        if self.status == RangeStatus::Ok && contradicts {
+        // An edge that the row does not cross half an exposure earlier or later is none.
+        let is_borne_out = path.is_some_and(|path| self.is_borne_out(witness, path.abs()));
+        if self.status == RangeStatus::Ok && !is_borne_out {
             self.status = RangeStatus::Inconsistent;
         }
+    }
+
+    /// Whether the blur is that of a path. The path is only as sure as the slope: two sigma less and two more.
+    fn is_borne_out(&self, witness: &BlurWitness<S>, path_px: S) -> bool {
+        let two = self.relative_sigma() * S::from_i32(2);
+        let four = witness.joint_sigma_px2() * S::from_i32(4);
+        let least = witness.excess_px2(path_px * (S::ONE + two));
+        let most_px = path_px * (S::ONE - two).max(S::ZERO);
+        let most = witness.excess_px2(most_px);
+        let expected = witness.lens_and_pixel_px2() + path_px * path_px * S::ratio(1, 12);
+        most >= -four && least <= expected * S::ratio(1, 2) + four
+    }
+
+    fn relative_sigma(&self) -> S {
+        let estimate = &self.estimate;
+        (estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m).abs()
     }
 
     /// Depth and its bounds at plus and minus `sigmas`, as [`Estimate::depth`]; no most likely value unless the status is
@@ -156,12 +170,14 @@ impl<S: Scalar> Range<S> {
     }
 }
 
-/// A short line of pixels that fits badly is a piece of something else: only a long one can be straight beside a restless
-/// background. Edges of unknown width are somebody's own, with a noise that may be understated.
+/// A short line of pixels that fits badly or has gaps is a piece of something else: only a long one can be straight beside a
+/// restless background. Edges of unknown width are somebody's own, with a noise that may be understated.
 fn is_fragment<S: Scalar, const KNOTS: usize>(range: &Range<S>, line: &Line<KNOTS>) -> bool {
-    const LONG_EDGES: u16 = 48;
+    const LONG_EDGES: u16 = 96;
     let of_pixels = line.last().width_q8 > 0;
-    of_pixels && range.edges < LONG_EDGES && range.estimate.misfit > S::ratio(3, 2)
+    let rows = u32::from(range.last_row.abs_diff(range.first_row)) + 1;
+    let has_gaps = u32::from(range.edges) * 4 < rows * 3;
+    of_pixels && range.edges < LONG_EDGES && (line.is_crowded() || has_gaps || range.estimate.misfit > S::ratio(3, 2))
 }
 
 /// What the blur of a line's pixels says, where the exposure is known.

@@ -23,6 +23,8 @@ pub(crate) struct Sight<S> {
     pub(crate) sigma_px: S,
     /// False once it has turned out to be of something else.
     pub(crate) kept: bool,
+    /// How many times larger than stated its noise is taken to be while strangers are sought.
+    pub(crate) doubt: S,
 }
 
 impl<S: Scalar> Sight<S> {
@@ -64,6 +66,7 @@ impl<S: Scalar> Sight<S> {
             // Rounding of the column itself is noise, too, where the stated one is smaller.
             sigma_px: sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON)),
             kept: true,
+            doubt: S::ONE,
         })
     }
 }

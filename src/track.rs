@@ -17,6 +17,8 @@ pub(crate) struct Track<const KNOTS: usize> {
     /// What the edge looks like, once it is confirmed and there are pixels to tell.
     pub(crate) profile: Option<Profile>,
     missed_rows: u16,
+    /// Edges since the last one that looked as expected.
+    strange_edges: u8,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +31,14 @@ pub(crate) enum State {
 /// The filter's gain falls with the number of edges down to this one's, so that it can follow a curve.
 const MEMORY_EDGES: i64 = 64;
 const LEAST_MEMORY_EDGES: i64 = 16;
+/// Rows without an edge after which a line of pixels is hidden.
+const MOST_GUESSED_ROWS: u16 = 4;
+/// Most that the slopes of two parts of an edge differ, in 1/65536 px per row; less where the younger has more than ten edges.
+const MOST_TURN_Q16: u32 = 1 << 14;
+/// A line of more edges is one of its own.
+const MOST_YOUNG_EDGES: u16 = 32;
+/// Edges that do not look as expected, after which a new look is taken.
+const MOST_STRANGE_EDGES: u8 = 8;
 /// No gate is wider.
 const MAX_GATE_Q16: i64 = 48 << 16;
 
@@ -41,6 +51,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             slope_q16: 0,
             profile: None,
             missed_rows: 0,
+            strange_edges: 0,
         }
     }
 
@@ -50,7 +61,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let edges = self.memory();
         // What the slope may still be off: everything after one edge, ever less after.
         let slope_q16 = i64::from(limits.max_slope_q16) / (edges * edges);
-        let noise_q16 = 4 * i64::from(self.line.last().sigma_q16.min(1 << 24));
+        let noise_q16 = 4 * self.row_sigma_q16();
         // The better a line is known, the less an edge may miss it; over a gap it may have bent.
         let base_q16 = (i64::from(limits.gate_q16) * 8 * rows / edges).min(i64::from(limits.gate_q16));
         let gate_q16 = base_q16 + noise_q16 + slope_q16 * rows;
@@ -74,15 +85,26 @@ impl<const KNOTS: usize> Track<KNOTS> {
         // The longer a line has been, the longer it may be hidden.
         let gap = match self.state {
             State::Tentative => limits.tentative_gap_rows,
+            State::Confirmed if self.profile.is_some() => limits.gap_rows.saturating_add(self.line.edges()),
             State::Confirmed => limits.gap_rows.saturating_add(self.line.edges() / 2),
         };
         self.missed_rows > gap
     }
 
+    /// Sigma of the last row by itself.
+    fn row_sigma_q16(&self) -> i64 {
+        let like_rows = self.profile.as_ref().map_or(1, Profile::like_rows);
+        i64::from(self.line.last().sigma_q16.min(1 << 24) / like_rows)
+    }
+
+    pub(crate) fn is_beside_texture(&self) -> bool {
+        self.profile.as_ref().is_some_and(|profile| profile.like_rows() > 1)
+    }
+
     /// Four sigma of the noise, or two of the blur.
     pub(crate) fn blur_q16(&self) -> i64 {
         let last = self.line.last();
-        (4 * i64::from(last.sigma_q16)).max(i64::from(last.width_q8) << 9)
+        (4 * self.row_sigma_q16()).max(i64::from(last.width_q8) << 9)
     }
 
     /// Takes an edge that matches: a line fit with fading memory, updated edge by edge.
@@ -99,10 +121,23 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let slope = i64::from(self.slope_q16) + 6 * off / (count * rows).max(1);
         self.slope_q16 = slope.clamp(-(1 << 30), 1 << 30) as i32;
         self.missed_rows = 0;
-        if self.line.edges() >= limits.confirm_edges {
+        // A line that leans more than one may begin with is none of ours, however well it is seen.
+        if self.line.edges() >= limits.confirm_edges && self.slope_q16.unsigned_abs() <= limits.max_slope_q16 {
             self.state = State::Confirmed;
         }
         true
+    }
+
+    /// Takes an edge that its row shows on its own. Where these go on and none looks as expected, what was seen when the line
+    /// was confirmed was something else.
+    pub(crate) fn take_scanned(&mut self, edge: Edge, limits: &Limits) -> bool {
+        let taken = self.take(edge, limits);
+        self.strange_edges = self.strange_edges.saturating_add(u8::from(taken));
+        if self.strange_edges > MOST_STRANGE_EDGES {
+            self.strange_edges = 0;
+            self.profile = None;
+        }
+        taken
     }
 
     /// The edge in a row of pixels, from its profile.
@@ -114,8 +149,51 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: Neighbours,
     ) -> Option<Edge> {
         let profile = self.profile.as_mut()?;
-        let found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, around)?;
+        let before = profile.like_rows();
+        let mut found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, around)?;
+        // What a row beside texture has in common with its neighbours holds for the rows before as well.
+        let after = profile.like_rows();
+        if after > before {
+            self.line.widen(after);
+        }
+        self.strange_edges = 0;
+        // A row that disagrees with its line weighs less.
+        let off_q16 = i64::from(found.column_q16).abs_diff(prediction.column_q16);
+        found.sigma_q16 = found.sigma_q16.max((off_q16 / 2).min(1 << 24) as u32 * profile.like_rows());
         Some(found.at(at.row, at.time_ns))
+    }
+
+    /// Whether the line is out of sight: it is then not looked for any more, where texture would soon pass for it.
+    pub(crate) fn is_hidden(&self) -> bool {
+        self.profile.is_some() && self.missed_rows > MOST_GUESSED_ROWS
+    }
+
+    /// Whether the line is so young that it may be one that was hidden.
+    pub(crate) fn is_young(&self) -> bool {
+        self.state == State::Confirmed && self.line.edges() <= MOST_YOUNG_EDGES
+    }
+
+    /// How far off the hidden line a young one goes on, if it may be the same edge.
+    pub(crate) fn resumed_by(&self, young: &Self, limits: &Limits) -> Option<u64> {
+        if !self.is_hidden() {
+            return None;
+        }
+        let prediction = self.predict(young.line.last().row, limits);
+        let off_q16 = young.column_q16.abs_diff(prediction.column_q16);
+        let turn_q16 = self.slope_q16.abs_diff(young.slope_q16);
+        let most_turn_q16 = (MOST_TURN_Q16 * 10 / u32::from(young.line.edges().max(1))).min(MOST_TURN_Q16);
+        let alike = young.line.first().polarity == self.line.first().polarity && turn_q16 <= most_turn_q16;
+        (alike && off_q16 <= prediction.gate_q16.unsigned_abs()).then_some(off_q16)
+    }
+
+    /// Goes on as a young line does.
+    pub(crate) fn resume(&mut self, young: &Self) -> bool {
+        if self.line.append(&young.line).is_err() {
+            return false;
+        }
+        self.column_q16 = young.column_q16;
+        self.missed_rows = 0;
+        true
     }
 }
 

@@ -48,6 +48,8 @@ struct Explained {
     polarity: Polarity,
 }
 
+/// A row of more edges is crowded.
+const MOST_EDGES_APART: usize = 2;
 /// Most that [`Explained::reach_q16`] can be.
 const MAX_REACH_Q16: i64 = 34 << 16;
 
@@ -89,6 +91,19 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
         }
         self.count_missed(limits, row);
+        self.resume_hidden(limits, row);
+    }
+
+    /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
+    /// to lie in line by chance.
+    pub(crate) fn count_crowds(&mut self, edges: &[Edge]) {
+        for place in &self.under_way {
+            if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
+                if edges.len() > MOST_EDGES_APART || track.is_beside_texture() {
+                    track.line.count_crowded_row();
+                }
+            }
+        }
     }
 
     /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
@@ -198,13 +213,22 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_edges = self.counters.dropped_edges.saturating_add(1);
     }
 
-    /// Predictions of all lines under way that the row has not shown yet, from left to right.
+    /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
+    /// hidden ones would leave no place for what they wait for.
+    fn has_room_to_resume(&self) -> bool {
+        let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.as_ref());
+        let hidden = tracks.filter(|track| track.is_hidden()).count();
+        self.under_way.len() + self.ended.len() + hidden <= LINES
+    }
+
+    /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
     fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
+        let room = self.has_room_to_resume();
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Option::as_ref);
             // One per slot at most.
-            if let Some(track) = track.filter(|track| track.line.last().row != row) {
+            if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
                 let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
@@ -267,12 +291,41 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return;
         }
         let taken = match self.tracks.get_mut(pair.slot) {
-            Some(Some(track)) => track.take(pair.edge, limits),
+            Some(Some(track)) => track.take_scanned(pair.edge, limits),
             _ => false,
         };
         if !taken {
             self.begin(pair.edge);
         }
+    }
+
+    /// A young line may be one that was hidden: that goes on with it.
+    fn resume_hidden(&mut self, limits: &Limits, row: u16) {
+        let mut index = 0;
+        while let Some(place) = self.under_way.get(index).copied() {
+            if self.resume(limits, row, place).is_some() && index < self.under_way.len() {
+                self.under_way.swap_remove(index);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    fn resume(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
+        let slot = usize::from(place);
+        let young = self.tracks.get(slot)?.as_ref().filter(|young| young.is_young() && young.line.last().row == row)?;
+        let hidden = self.under_way.iter().filter_map(|other| {
+            let hidden = self.tracks.get(usize::from(*other))?.as_ref()?;
+            Some((hidden.resumed_by(young, limits)?, *other))
+        });
+        let (_, nearest) = hidden.min()?;
+        let young = self.tracks.get_mut(slot)?.take()?;
+        let resumed = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.resume(&young);
+        if !resumed {
+            *self.tracks.get_mut(slot)? = Some(young);
+            return None;
+        }
+        Some(())
     }
 
     /// Begins a tentative line, if there is room.
