@@ -2,6 +2,7 @@
 
 use crate::covariance::Covariance;
 use crate::effects::{Cause, Effects, along};
+use crate::scalar::hypot;
 use crate::sight::LineInSpace;
 use crate::solve::{BelievedRow, Row};
 use crate::vector::{add, cross, dot, scale, sub};
@@ -42,9 +43,11 @@ impl<S: Scalar> State<S> {
             *effect = add(times(jacobian, *effect), view.change_of(cause, &self.edge, passage));
         }
         let uncertainty = setup.uncertainty();
-        // What of the edge's lean towards or away from the camera a turn brings into the image plane.
-        let turned_lean = [S::ZERO, S::ZERO, view.turned_lean(&self.edge, passage) * uncertainty.sigma_tilt];
-        let mut covariance = self.covariance.through(jacobian).and(turned_lean);
+        // What of the edge's lean towards or away from the camera a turn brings into the image plane, and what of that and of
+        // the camera's pitch shows there as the bearing changes.
+        let turned = view.turned_lean(&self.edge, passage) * uncertainty.sigma_tilt;
+        let passed = (view.edge.bearing - self.edge.bearing) * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
+        let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
         let drift = passage.drift();
         for cause in [Cause::Speed, Cause::Rate(0), Cause::Rate(1), Cause::Rate(2)] {
             let sigma = cause.sigma(setup, self.edge.bearing) * drift;
