@@ -313,6 +313,48 @@ fn an_edge_is_found_again_beyond_an_occluder() {
     assert!(side(0) && !side(23));
 }
 
+/// While two posts cross, their blended columns move neither; before and after, each is what it was.
+#[test]
+fn crossing_edges_keep_what_was_known() {
+    let random = &mut seed(12);
+    let journey = Journey::vga();
+    let posts = [Post::at(-0.5, 1.5), Post::at(-0.54, 1.8)];
+    let setup = journey.setup(tilt_of(TENTH_DEGREE));
+    let mut drive = Drive::new(setup, journey.interval_s, |frame| journey.known(frame, Disturbance::default()));
+    let mut ids: Option<Vec<_>> = None;
+    let mut mixed = 0;
+    for frame in 0..16 {
+        let apart_px = |row| {
+            let column = |post| journey.column(post, frame, row).expect("in the image");
+            column(&posts[1]) - column(&posts[0])
+        };
+        // Nearer than seven pixels, a detector sees both half way to each other.
+        let pull = |edge: &Edge| {
+            let apart = apart_px(edge.row);
+            let of_first =
+                (edge.column_px::<f64>() - journey.column(&posts[0], frame, edge.row).expect("seen")).abs() < 1.0;
+            let pulled = if apart.abs() > 7.0 { 0.0 } else { apart / 4.0 * if of_first { 1.0 } else { -1.0 } };
+            Edge { column_q16: edge.column_q16 + (pulled * 65536.0) as i32, ..*edge }
+        };
+        let edges: Vec<_> = journey.edges(&posts, frame, random).iter().map(pull).collect();
+        mixed += u32::from(apart_px(0).abs().min(apart_px(479).abs()) < 7.0);
+        let ranges = drive.frame(&edges);
+        for range in ranges.iter().filter(|range| range.frames > 2 && range.status == RangeStatus::Ok) {
+            let off = |post: &Post| errors(range, &journey.truth(post, frame)).0.abs();
+            assert!(posts.iter().any(|post| off(post) < 0.01), "frame {frame}: {range:?}");
+        }
+        if frame == 0 || frame == 15 {
+            let found = of_posts(&ranges, &journey, &posts, frame);
+            let now = found.iter().map(|range| range.expect("a range").line_id).collect();
+            assert_eq!(
+                ids.get_or_insert(now),
+                &found.iter().map(|range| range.expect("seen").line_id).collect::<Vec<_>>()
+            );
+        }
+    }
+    assert!(mixed > 2, "{mixed}");
+}
+
 /// However fast it turns, a camera that does not move measures no distance.
 #[test]
 fn pure_rotation_gives_no_distance() {

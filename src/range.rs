@@ -6,6 +6,7 @@ use crate::fit::{FitError, Fitted, fit_with};
 use crate::lens::LensWitness;
 use crate::sight::{LineInSpace, Sight};
 use crate::state::State;
+use crate::straightness::Straightness;
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
 
 /// The range of one upright edge: estimate, status, and where the edge is in the image.
@@ -74,6 +75,25 @@ impl<S: Scalar> Range<S> {
             Err(FitError::Sideways(_)) => (Self { status: RangeStatus::Sideways, ..range }, None),
             // A line of too few knots; the others cannot come from a line.
             Err(_) => (range, None),
+        }
+    }
+
+    /// What was known of an edge before a line that tells nothing of it.
+    pub(crate) fn remembered<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        state: &State<S>,
+    ) -> Self {
+        let estimate = Estimate::new(state, setup, &Straightness::NONE);
+        let (top, bottom) = line.top_and_bottom();
+        let short = line.edges() < setup.limits().min_edges;
+        Self {
+            status: if short { RangeStatus::Short } else { estimate.status() },
+            estimate,
+            column_at_first_row: column_at(setup, motion, &state.edge, top),
+            column_at_last_row: column_at(setup, motion, &state.edge, bottom),
+            ..Self::unknown(line)
         }
     }
 

@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 
-use crate::landmark::{Claim, Landmark, Sighting};
-use crate::state::Passage;
-use crate::{Line, Motion, Pose, Range, RangeStatus, Ranger, Scalar, Setup};
+use crate::landmark::{Claim, Landmark, Sighting, is_of_use};
+use crate::state::{Passage, State};
+use crate::{Line, Motion, Pose, Range, Ranger, Scalar, Setup};
 
 /// The edges of earlier frames, at most `LANDMARKS`, each continued where a frame shows it again.
 ///
@@ -16,9 +16,12 @@ use crate::{Line, Motion, Pose, Range, RangeStatus, Ranger, Scalar, Setup};
 /// speed and rotation is carried along as a constant error that no number of frames averages out, and besides as one that
 /// drifts within about a second, so that sigma does not shrink for ever.
 ///
+/// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither: they keep
+/// what was known of them, and what comes into view there begins once it is clear.
+///
 /// An object that moves at a constant velocity looks static at another distance as long as the camera's velocity is
 /// constant, too. Once speed or heading changes it is no longer where it should be: it is then
-/// [`Inconsistent`](RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again.
+/// [`Inconsistent`](crate::RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again.
 ///
 /// *Memory*: 208 bytes for each landmark in `f32`, and 16.
 ///
@@ -62,8 +65,6 @@ pub struct Sequence<S, const LANDMARKS: usize> {
 
 /// Frames in a row without an edge after which it is forgotten.
 const MOST_MISSED: u16 = 30;
-/// Frames in a row that must agree with a static edge before one that has moved passes for static again.
-const PROBATION: u16 = 30;
 
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// A sequence that has seen nothing yet.
@@ -181,30 +182,21 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         place: usize,
         line: &Line<KNOTS>,
     ) -> Range<S> {
-        let claim_of = |landmark: &Landmark<S>| landmark.claim.filter(|claim| claim.place == place);
-        let mut claims =
-            self.landmarks.iter_mut().filter_map(|landmark| claim_of(landmark).map(|claim| (landmark, claim)));
-        let Some((landmark, Claim { has_moved, .. })) = claims.next() else {
-            drop(claims);
+        let is_claimed = |landmark: &Landmark<S>| landmark.claim.is_some_and(|claim| claim.place == place);
+        let Some(index) = self.landmarks.iter().position(is_claimed) else {
             return self.begin(setup, motion, line);
         };
-        let earlier = (!has_moved).then_some(landmark.state);
-        let (mut range, state) = Range::continued(setup, motion, line, earlier);
-        range.line_id = Some(landmark.id);
-        match state.filter(|_| is_of_use(range.status)) {
-            Some(state) => {
-                landmark.state = state;
-                landmark.frames = if has_moved { 1 } else { landmark.frames.saturating_add(1) };
-                landmark.on_probation = if has_moved { PROBATION } else { landmark.on_probation.saturating_sub(1) };
-                range.frames = landmark.frames;
-            }
-            // Hidden, as far as the estimate is concerned.
-            None => landmark.claim = None,
-        }
-        if landmark.on_probation > 0 && range.status == RangeStatus::Ok {
-            range.status = RangeStatus::Inconsistent;
-        }
-        range
+        let sighting = Sighting::new(setup, motion, line);
+        let others = self.landmarks.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+        let state = self.landmarks.get(index).map(|landmark| landmark.state);
+        let is_mixed = is_mixed(sighting.as_ref(), state.as_ref(), others);
+        let Some(landmark) = self.landmarks.get_mut(index) else { return Range::of_line(setup, motion, line) };
+        let range = if is_mixed {
+            Range::remembered(setup, motion, line, &landmark.state)
+        } else {
+            landmark.update(setup, motion, line)
+        };
+        landmark.name(range)
     }
 
     /// A line that no landmark predicts becomes one, if there is room.
@@ -216,6 +208,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     ) -> Range<S> {
         let (range, state) = Range::continued(setup, motion, line, None);
         let Some(state) = state.filter(|_| is_of_use(range.status)) else { return range };
+        // What comes into view beside an edge is often half hidden by it, and would begin with a wrong column.
+        let sighting = Sighting::new(setup, motion, line);
+        let is_beside = |landmark: &Landmark<S>| sighting.as_ref().is_some_and(|sighting| landmark.is_beside(sighting));
+        if self.landmarks.iter().any(|landmark| landmark.frames > 1 && is_beside(landmark)) {
+            return range;
+        }
         let id = self.next_id;
         // Whatever the place, it is not a line that is still to be taken.
         let claim = Some(Claim { place: usize::MAX, distance: S::ZERO, has_moved: false });
@@ -243,9 +241,16 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     }
 }
 
-/// Whether a line with this status tells where the edge is.
-fn is_of_use(status: RangeStatus) -> bool {
-    matches!(status, RangeStatus::Ok | RangeStatus::Far | RangeStatus::Slow)
+/// Whether an edge lies so near to one at another depth that the two blend: their columns are then those of neither.
+fn is_mixed<'l, S: Scalar + 'l>(
+    sighting: Option<&Sighting<S>>,
+    state: Option<&State<S>>,
+    mut others: impl Iterator<Item = &'l Landmark<S>>,
+) -> bool {
+    match (sighting, state) {
+        (Some(sighting), Some(state)) => others.any(|other| other.is_beside(sighting) && other.state.is_apart(state)),
+        _ => false,
+    }
 }
 
 impl<S: Scalar, const LANDMARKS: usize> Default for Sequence<S, LANDMARKS> {

@@ -32,6 +32,13 @@ impl<S: Scalar> State<S> {
         })
     }
 
+    /// Whether another edge is surely at another depth.
+    pub(crate) fn is_apart(&self, other: &Self) -> bool {
+        let ([_, sigma, _], [_, others_sigma, _]) = (self.covariance.sigma, other.covariance.sigma);
+        let apart = (self.edge.inverse_depth - other.edge.inverse_depth).abs();
+        apart > hypot(sigma, others_sigma) * S::from_i32(3)
+    }
+
     /// The same edge for a camera at another place: what is known of it there, less what drifts on the way.
     ///
     /// `None` where the edge is then beside or behind the camera.

@@ -11,6 +11,9 @@ pub(crate) struct Straightness<S> {
 }
 
 impl<S: Scalar> Straightness<S> {
+    /// Of no residuals.
+    pub(crate) const NONE: Self = Self { misfit: S::ZERO, significant: false, bent: false };
+
     /// From the residuals in the order of readout, in units of their noise: how large they are, and whether they follow each
     /// other, as those of a curve do.
     pub(crate) fn of(residuals: impl Iterator<Item = S>) -> Self {
@@ -30,7 +33,7 @@ impl<S: Scalar> Straightness<S> {
         // Bearing and inverse depth are free.
         let spare = S::from_i32(count - 2);
         if count <= 2 {
-            return Self { misfit: S::ZERO, significant: false, bent: false };
+            return Self::NONE;
         }
         let variance = squares / spare;
         let significant = variance > chance_limit(spare);

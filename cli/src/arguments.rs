@@ -53,7 +53,7 @@ pub(crate) struct SetupArgs {
 pub(crate) struct CourseArgs {
     /// The frames are one sequence: seconds from the start of one to the start of the next. The setup's motion is then
     /// that at the start of the first frame, and goes on; without it, that of each frame
-    #[arg(long, value_name = "SECONDS", value_parser = interval)]
+    #[arg(long, value_name = "SECONDS", value_parser = interval_of_a_sequence, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
     /// Replaces velocity and rotation rate of the setup: CSV with the header time_s,vx,vy,vz,wx,wy,wz and optionally
     /// gx,gy,gz
@@ -97,7 +97,7 @@ pub(crate) struct SimulateArgs {
     pub(crate) seed: u64,
     /// Seconds from the start of one frame to the start of the next, while the camera moves on; 0: the same instant with
     /// other noise; default: 1/30 s, or the readout of the frame if that is longer
-    #[arg(long, value_name = "SECONDS", value_parser = interval)]
+    #[arg(long, value_name = "SECONDS", value_parser = interval, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
 }
 
@@ -110,6 +110,12 @@ fn png_path(text: &str) -> Result<PathBuf, String> {
 fn interval(text: &str) -> Result<f64, String> {
     let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
     seconds.ok_or_else(|| "it must be a number from 0 to 3600 (seconds)".to_string())
+}
+
+/// Frames of the same instant are no sequence.
+fn interval_of_a_sequence(text: &str) -> Result<f64, String> {
+    let seconds = interval(text).ok().filter(|seconds| *seconds > 0.0);
+    seconds.ok_or_else(|| "it must be a number above 0, at most 3600 (seconds)".to_string())
 }
 
 /// Ends the program as clap does for a wrong command line: for what shows only when arguments are seen together.

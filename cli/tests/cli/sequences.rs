@@ -104,3 +104,14 @@ fn the_blur_tells_the_lean() {
     let without = relative_error(&folder.with("setup.toml", blind));
     assert!(without > 0.15 && with_blur < without / 4.0, "{with_blur} with, {without} without");
 }
+
+#[test]
+fn frames_of_the_same_instant_are_no_sequence() {
+    let (folder, _) = simulated(&setup(0.1, ""));
+    for interval in ["0", "-0.04", "nan", "4000"] {
+        let arguments = ["frame", "out/frame-0000.png", "--setup", "setup.toml", "--frame-interval-s", interval];
+        let outcome = folder.run(&arguments);
+        assert_eq!(outcome.code, 2, "{interval}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains("above 0, at most 3600 (seconds)"), "{}", outcome.stderr);
+    }
+}
