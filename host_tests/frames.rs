@@ -260,6 +260,22 @@ fn a_rail_hides_a_stretch_and_the_table_is_full() {
     assert!(found.iter().all(|range| range.last_row >= ROWS - 3), "{found:#?}");
 }
 
+/// Sixteen rows of several bars are enough where nothing else is in view; among so many edges that some are bound to lie
+/// in line by chance, a line must be longer.
+#[test]
+fn short_bars_in_a_clear_view() {
+    let bar = |bearing| Bar::upright(bearing, 1.0, 0.1, 60.0).between(-0.027, 0.027).into();
+    for seed in 1..6 {
+        let scene = scene_of(180.0, [bar(-0.4), bar(-0.2), bar(0.0), bar(0.2), bar(0.4)]);
+        let (found, truths) = look(&scene, &moving(3.0), Exposure::default(), seed);
+        let ok = found.iter().filter(|range| range.status == RangeStatus::Ok).count();
+        assert!(found.len() == truths.len() && ok == truths.len(), "seed {seed}: {ok} of {}", truths.len());
+        for (range, truth) in found.iter().zip(&truths) {
+            assert!(errors(range, truth).1.abs() < 4.0, "seed {seed}: {range:?} for {truth:?}");
+        }
+    }
+}
+
 #[test]
 fn bars_that_leave_at_the_side() {
     for seed in 1..6 {

@@ -181,8 +181,9 @@ impl Profile {
         if !fits {
             return None;
         }
-        // The row's own width, so that the line's mean settles like any mean.
-        let width_q8 = (fit.width_q12 >> 4).clamp(1, i64::from(MOST_BLUR_Q8)) as u16;
+        // The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
+        let half_q8 = i64::from(self.blur_q8() / 2);
+        let width_q8 = (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16;
         self.learn(&fit);
         Some(ScannedEdge {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,

@@ -206,7 +206,10 @@ fn blur_witness<S: Scalar, M: Motion<S>, const KNOTS: usize>(
     motion: &M,
     line: &Line<KNOTS>,
 ) -> Option<BlurWitness<S>> {
-    let (blur, width) = (setup.motion_blur()?, (line.mean_width_px()?, line.mean_width_sigma_px()));
+    let (blur, width_px) = (setup.motion_blur()?, line.mean_width_px::<S>()?);
+    // A row's width is not taken to be off by more than a half, in nine rows alike at the most.
+    let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.edges())).sqrt();
+    let width = (width_px, line.mean_width_sigma_px::<S>().min(most_px));
     let middle = line.samples::<S>().nth(line.samples::<S>().count() / 2)?;
     BlurWitness::new(setup.camera(), motion, blur, &middle, width)
 }

@@ -49,7 +49,7 @@ struct Explained {
 }
 
 /// A row of more edges is crowded.
-const MOST_EDGES_APART: usize = 2;
+const MOST_EDGES_APART: usize = 1;
 /// Most that [`Explained::reach_q16`] can be.
 const MAX_REACH_Q16: i64 = 34 << 16;
 
