@@ -81,7 +81,7 @@ fn run() -> Result<bool, ParameterError> {
             from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();
             lens.learn(&range);
         });
-        sequence.advance(&setup, &motion.pose(0.017), 0.017, motion.gravity());
+        sequence.advance(&setup, &motion.pose(0.017), 0.017, motion.gravity())?;
     }
     let setup = setup.with_motion_blur(lens.motion_blur())?;
     Ok(from_pixels && from_edges && setup.motion_blur().is_some())

@@ -88,6 +88,6 @@ fn main() {
         }
         ranger.end_frame(&setup);
         sequence.frame(&setup, &motion, &mut ranger, |range| report(&range));
-        sequence.advance(&setup, &motion.pose(INTERVAL_S), INTERVAL_S, motion.gravity());
+        sequence.advance(&setup, &motion.pose(INTERVAL_S), INTERVAL_S, motion.gravity()).expect("sound gravity");
     }
 }

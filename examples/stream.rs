@@ -60,7 +60,7 @@ fn report(range: &Range<f32>) {
 fn main() {
     let setup = setup().expect("a sound setup");
     let motion = Twist::level([-SPEED_M_S, 0.0, 0.0]).expect("a sound motion");
-    let mut ranger: Ranger<8, 12, 8> = Ranger::new();
+    let mut ranger = const { Ranger::<8, 12, 8>::new() };
     let mut random = 1_u32;
     for row in 0..setup.readout().rows() {
         for post in POSTS.iter().filter(|post| post.rows.contains(&row)) {

@@ -121,7 +121,7 @@ fn a_sequence_learns_the_lens() {
             let mut ranger = shot.seen(frame, interval_s);
             sequence.frame(&shot.setup, &shot.motion, &mut ranger, |range| lens.learn(&range));
             let pose = shot.motion.pose(interval_s as f32);
-            sequence.advance(&shot.setup, &pose, interval_s as f32, shot.motion.gravity());
+            sequence.advance(&shot.setup, &pose, interval_s as f32, shot.motion.gravity()).expect("sound gravity");
         }
         let MotionBlur { lens_blur_px, sigma_lens_blur_px, .. } = lens.motion_blur();
         println!("{psf_sigma_px} px: {lens_blur_px} +- {sigma_lens_blur_px} px");

@@ -244,7 +244,7 @@ impl<S: Scalar, M: Fn(u32) -> Known> Drive<S, M> {
         let interval_s = S::from_f64(self.interval_s);
         self.frame += 1;
         let gravity = Motion::<S>::gravity(&(self.motion)(self.frame));
-        self.sequence.advance(&self.setup, &motion.pose(interval_s), interval_s, gravity);
+        self.sequence.advance(&self.setup, &motion.pose(interval_s), interval_s, gravity).expect("sound gravity");
         ranges
     }
 }

@@ -5,6 +5,8 @@ use crate::scalar::hypot;
 
 /// One standard deviation of inverse depth from each source, in 1/m. Their squares add up to that of the whole.
 ///
+/// What speed and rotation have done in earlier frames of a sequence, and have drifted since, counts as noise.
+///
 /// Noise and lean are each edge's own and average out over edges; the rest is common to all edges of a frame and does not:
 /// weigh edges by [`own_per_m`](Self::own_per_m), then add [`common_per_m`](Self::common_per_m) to what is left.
 ///

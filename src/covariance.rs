@@ -14,8 +14,6 @@ pub(crate) struct Covariance<S> {
 }
 
 impl<S: Scalar> Covariance<S> {
-    pub(crate) const UNKNOWN: Self = Self { sigma: [S::UNKNOWN, S::UNKNOWN, S::ZERO], correlation: [S::ZERO; 3] };
-
     /// With variances in units of `scale²`: `[aa, ρρ, ββ, aρ, aβ, ρβ]`.
     pub(crate) fn scaled(scale: [S; 3], moments: [S; 6]) -> Self {
         let [aa, rr, bb, ar, ab, rb] = moments;

@@ -65,7 +65,8 @@ impl core::error::Error for FitError {}
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
-/// *Cost*: a pose and a ray per sample, then three rounds of about 100 operations per sample; 20 `N` numbers of stack.
+/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where tilt is free, at most
+/// 100 where samples must be left out; 40 `N` numbers of stack.
 ///
 /// *Source*: `m · (P0 − p(t)) = 0`; for a level camera in translation along x this is the paper's equation (3).
 ///

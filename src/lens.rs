@@ -49,7 +49,7 @@ impl<S: Scalar> LensBlur<S> {
     /// Begins with what is known, [`MotionBlur::of_exposure`] if nothing is.
     #[must_use]
     pub fn new(known: MotionBlur<S>) -> Self {
-        let lens = known.lens_blur_px;
+        let lens = known.lens_blur_px.max(S::ratio(1, 10));
         let sigma_px2 = (lens + lens) * known.sigma_lens_blur_px;
         Self { exposure_s: known.exposure_s, variance_px2: lens * lens, sigma_px2 }
     }

@@ -125,7 +125,7 @@ pub struct Line<const KNOTS: usize> {
     first: Edge,
     last: Edge,
     edges: u16,
-    /// Rows in which several other edges were near.
+    /// Rows with several edges of no line, wherever they are, or with texture beside this one.
     crowded_rows: u16,
     /// Rows per knot: 2 to this power.
     span_log2: u8,
@@ -181,6 +181,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         }
         self.last = later.last;
         self.edges = self.edges.saturating_add(later.edges);
+        self.crowded_rows = self.crowded_rows.saturating_add(later.crowded_rows);
         Ok(())
     }
 
@@ -196,7 +197,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.crowded_rows = self.crowded_rows.saturating_add(1);
     }
 
-    /// Whether most of it lies among other edges, as in texture or clutter.
+    /// Whether most of its rows are crowded, as in texture or clutter.
     pub(crate) const fn is_crowded(&self) -> bool {
         self.crowded_rows > self.edges / 2
     }

@@ -13,7 +13,7 @@ use crate::{Counters, Edge, EdgeError, Line, Motion, Range, RowError, Scalar, Sc
 ///
 /// On a small board make it a `static`, or write `const { Ranger::new() }`: it is then never built and copied on the stack.
 ///
-/// *Memory*: at most `LINES` × (120 + 40 `KNOTS`) + 24 `EDGES` + 64 bytes.
+/// *Memory*: at most `LINES` × (120 + 40 `KNOTS`) + 24 `EDGES` + 96 bytes.
 ///
 /// ```
 /// # use shutter_range::{Camera, Distortion, Edge, Intrinsics, Limits, Ranger, RangeStatus, Readout, Setup, Twist, Uncertainty};

@@ -3,8 +3,9 @@
 use heapless::Vec;
 
 use crate::landmark::{Claim, Landmark, Sighting, is_of_use};
+use crate::motion::checked_direction;
 use crate::state::{Passage, State};
-use crate::{Line, Motion, Pose, Range, Ranger, Scalar, Setup};
+use crate::{Line, Motion, ParameterError, Pose, Range, Ranger, Scalar, Setup};
 
 /// The edges of earlier frames, at most `LANDMARKS`, each continued where a frame shows it again.
 ///
@@ -13,15 +14,16 @@ use crate::{Line, Motion, Pose, Range, Ranger, Scalar, Setup};
 /// squares as in a single frame, with what the frames before have told as three more rows: memory does not grow with time.
 ///
 /// A line belongs to a landmark where it lies as the landmark predicts; the nearest pairs come first. What a setup states of
-/// speed and rotation is carried along as a constant error that no number of frames averages out, and besides as one that
-/// drifts within about a second, so that sigma does not shrink for ever.
+/// speed and rotation is carried along as an error that is the same for all frames of about a second, which no number of
+/// frames averages out, and that drifts over longer times, so that sigma does not shrink for ever.
 ///
 /// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither: they keep
 /// what was known of them, and what comes into view there begins once it is clear.
 ///
 /// An object that moves at a constant velocity looks static at another distance as long as the camera's velocity is
 /// constant, too. Once speed or heading changes it is no longer where it should be: it is then
-/// [`Inconsistent`](crate::RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again.
+/// [`Inconsistent`](crate::RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again. An object
+/// that is by then more than three pixels and four sigma off its prediction is taken for another edge.
 ///
 /// *Memory*: 208 bytes for each landmark in `f32`, and 16.
 ///
@@ -50,7 +52,7 @@ use crate::{Line, Motion, Pose, Range, Ranger, Scalar, Setup};
 ///     sequence.frame(&setup, &motion, &mut ranger, |range| {
 ///         sigma_m.push(range.depth(2.0).estimate_m.expect("status is ok").1);
 ///     });
-///     sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity());
+///     sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity())?;
 /// }
 /// assert!(sigma_m[0] > 0.2 && sigma_m[4] < 0.002, "{sigma_m:?}");
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -61,6 +63,8 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     landmarks: Vec<Landmark<S>, LANDMARKS>,
     next_id: u32,
     dropped_lines: u32,
+    /// A frame has been taken since the last advance.
+    has_frame: bool,
 }
 
 /// Frames in a row without an edge after which it is forgotten.
@@ -70,13 +74,15 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// A sequence that has seen nothing yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { landmarks: Vec::new(), next_id: 0, dropped_lines: 0 }
+        Self { landmarks: Vec::new(), next_id: 0, dropped_lines: 0, has_frame: false }
     }
 
     /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges over in no
-    /// particular order. To be called once a frame, after [`Ranger::end_frame`]; nobody else must take lines of that ranger.
+    /// particular order. To be called once a frame, after [`Ranger::end_frame`]; nobody else must take lines of that ranger, so
+    /// that its table needs room for all lines of a frame. Between two frames belongs an [`advance`](Self::advance): without it, the
+    /// edges of earlier frames are forgotten.
     ///
-    /// *Cost*: for each line a fit as in [`Range::of_line`], and three predictions for each landmark of its polarity.
+    /// *Cost*: for each line one fit as in [`Range::of_line`] or two, and three predictions for each landmark of its polarity.
     pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -107,11 +113,21 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     }
 
     /// Goes on to the next frame's start: `pose` of the camera there in the axes of this frame's start, the time in between, and
-    /// gravity in the camera's axes there. What is then beside or behind the camera is forgotten.
+    /// gravity in the camera's axes there, of any length. What is then beside or behind the camera is forgotten. To be called
+    /// between any two frames, also after a torn one.
+    ///
+    /// *Errors*: a gravity without direction; nothing has changed then.
     ///
     /// *Cost*: some 500 operations for each landmark.
-    pub fn advance(&mut self, setup: &Setup<S>, pose: &Pose<S>, elapsed_s: S, gravity: [S; 3]) {
-        let passage = Passage { pose: *pose, elapsed_s, gravity };
+    pub fn advance(
+        &mut self,
+        setup: &Setup<S>,
+        pose: &Pose<S>,
+        elapsed_s: S,
+        gravity: [S; 3],
+    ) -> Result<(), ParameterError> {
+        let passage = Passage { pose: *pose, elapsed_s, gravity: checked_direction(gravity)? };
+        self.has_frame = false;
         self.landmarks.retain_mut(|landmark| match landmark.carried(setup, &passage) {
             Some(carried) => {
                 *landmark = carried;
@@ -119,6 +135,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             }
             None => false,
         });
+        Ok(())
+    }
+
+    /// Forgets all edges: where nothing is known of the way to the next frame. Their names are not used again.
+    pub fn clear(&mut self) {
+        self.landmarks.clear();
     }
 
     /// Number of edges that are remembered.
@@ -142,6 +164,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         places: impl Iterator<Item = usize>,
         line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) {
+        // Nobody has said how the camera got here from the last frame.
+        if self.has_frame {
+            self.clear();
+        }
+        self.has_frame = true;
         self.landmarks.iter_mut().for_each(|landmark| landmark.claim = None);
         for place in places {
             let mut asking = Some(place);
@@ -207,11 +234,14 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let (range, state) = Range::continued(setup, motion, line, None);
-        let Some(state) = state.filter(|_| is_of_use(range.status)) else { return range };
+        // An edge of which only the bearing is known tells nothing of where it will be.
+        let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
+        let Some(state) = state.filter(|_| is_of_use(range.status) && has_depth) else { return range };
         // What comes into view beside an edge is often half hidden by it, and would begin with a wrong column.
         let sighting = Sighting::new(setup, motion, line);
         let is_beside = |landmark: &Landmark<S>| sighting.as_ref().is_some_and(|sighting| landmark.is_beside(sighting));
-        if self.landmarks.iter().any(|landmark| landmark.frames > 1 && is_beside(landmark)) {
+        if self.landmarks.iter().any(|landmark| landmark.frames > 1 && landmark.claim.is_some() && is_beside(landmark))
+        {
             return range;
         }
         let id = self.next_id;

@@ -173,10 +173,19 @@ impl<S: Scalar> Solution<S> {
         self.unknowns(mean * over(self.weight), along * over(self.qq), across * over(self.ww))
     }
 
+    /// Where the motion says nothing of the depth.
+    fn covariance_of_bearing_and_tilt(&self) -> Covariance<S> {
+        let (beta, w) = (over(self.ww), self.mean_w);
+        let moments = [over(self.weight) + w * w * beta, S::ZERO, beta, S::ZERO, -(w * beta), S::ZERO];
+        let known = Covariance::scaled([self.unit, S::ONE, self.unit], moments);
+        let [bearing, _, tilt] = known.sigma;
+        Covariance { sigma: [bearing, S::UNKNOWN, tilt], ..known }
+    }
+
     /// Covariance of the noise of all rows, the believed ones included.
     pub(crate) fn covariance(&self) -> Covariance<S> {
         if !(self.qq > S::ZERO && self.spread > S::ZERO) {
-            return Covariance::UNKNOWN;
+            return self.covariance_of_bearing_and_tilt();
         }
         let beta = over(self.ww);
         let rho = S::ONE / self.qq + self.c * self.c * beta;

@@ -45,20 +45,23 @@ impl<S: Scalar> State<S> {
     pub(crate) fn carried(&self, setup: &Setup<S>, passage: &Passage<S>) -> Option<Self> {
         let view = View::of(&self.edge, passage)?;
         let jacobian = view.jacobian(&self.edge, passage);
-        let mut effects = self.effects;
-        for (cause, effect) in Cause::ALL.into_iter().zip(&mut effects.0) {
-            *effect = add(times(jacobian, *effect), view.change_of(cause, &self.edge, passage));
-        }
         let uncertainty = setup.uncertainty();
         // What of the edge's lean towards or away from the camera a turn brings into the image plane, and what of that and of
         // the camera's pitch shows there as the bearing changes.
         let turned = view.turned_lean(&self.edge, passage) * uncertainty.sigma_tilt;
         let passed = (view.edge.bearing - self.edge.bearing) * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
-        let drift = passage.drift();
-        for cause in [Cause::Speed, Cause::Rate(0), Cause::Rate(1), Cause::Rate(2)] {
-            let sigma = cause.sigma(setup, self.edge.bearing) * drift;
-            covariance = covariance.and(scale(view.change_of(cause, &self.edge, passage), sigma));
+        // Of an error that drifts, a part of what it has done so far is as good as random now.
+        let (kept, lost) = passage.drift();
+        let mut effects = self.effects;
+        for (cause, effect) in Cause::ALL.into_iter().zip(&mut effects.0) {
+            let mut carried = times(jacobian, *effect);
+            if matches!(cause, Cause::Speed | Cause::Rate(_)) {
+                let sigma = cause.sigma(setup, self.edge.bearing);
+                covariance = covariance.and(scale(carried, sigma * lost));
+                carried = scale(carried, kept);
+            }
+            *effect = add(carried, view.change_of(cause, &self.edge, passage));
         }
         Some(Self { edge: view.edge, covariance, effects })
     }
@@ -81,10 +84,11 @@ impl<S: Scalar> Passage<S> {
         add(add(scale(x, dx), scale(y, dy)), scale(z, dz))
     }
 
-    /// By how much an error that stays much the same for a second has changed on the way, in its own sigmas.
-    fn drift(&self) -> S {
-        let twice = self.elapsed_s.abs() * S::from_i32(2);
-        (twice / (S::ONE + self.elapsed_s.abs())).sqrt()
+    /// Which part of an error that stays much the same for a second is still the same, and which part is lost: their squares
+    /// add up to one.
+    fn drift(&self) -> (S, S) {
+        let kept = S::ONE / (S::ONE + self.elapsed_s.abs());
+        (kept, ((S::ONE - kept) * (S::ONE + kept)).sqrt())
     }
 }
 

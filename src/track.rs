@@ -19,6 +19,8 @@ pub(crate) struct Track<const KNOTS: usize> {
     missed_rows: u16,
     /// Edges since the last one that looked as expected.
     strange_edges: u8,
+    /// Its edges have got the noise of texture once.
+    is_widened: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +54,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             profile: None,
             missed_rows: 0,
             strange_edges: 0,
+            is_widened: false,
         }
     }
 
@@ -153,8 +156,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let mut found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, around)?;
         // What a row beside texture has in common with its neighbours holds for the rows before as well.
         let after = profile.like_rows();
-        if after > before {
+        if after > before && !self.is_widened {
             self.line.widen(after);
+            self.is_widened = true;
         }
         self.strange_edges = 0;
         // A row that disagrees with its line weighs less.

@@ -47,7 +47,8 @@ fn by_frame(text: &str, setup: &SetupFile) -> Result<Frames> {
         groups.insert(None, Vec::new());
     }
     for row in file.rows {
-        groups.entry(row.frame).or_default().push(row);
+        let frame = file.has_frames.then(|| row.frame.unwrap_or(0));
+        groups.entry(frame).or_default().push(row);
     }
     Ok(groups)
 }
@@ -61,7 +62,7 @@ fn frames(name: &str, groups: Frames, setup: &SetupFile, mut course: Course) -> 
     for ((key, rows), next) in groups.into_iter().zip(nexts) {
         let to_next_s = course.to_next_s(number(&key), next);
         let motion = course.motion(number(&key), next)?;
-        sequel.advance(&motion, to_next_s);
+        sequel.advance(&motion, to_next_s)?;
         let named = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
         frames.push(frame(named, rows, &mut sequel, &motion)?);
     }

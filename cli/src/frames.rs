@@ -41,8 +41,8 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         let to_next_s = course.to_next_s(number, next);
         let done = match course.motion(number, next) {
             Ok(motion) => {
-                job.sequel.advance(&motion, to_next_s);
-                job.range(file, &motion, overlays.get(index))
+                let ready = job.sequel.advance(&motion, to_next_s);
+                ready.and_then(|()| job.range(file, &motion, overlays.get(index)))
             }
             Err(error) => {
                 job.sequel.restart();

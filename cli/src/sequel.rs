@@ -33,18 +33,19 @@ impl Sequel {
     }
 
     /// Goes on to the next frame; `to_next_s` is how long it is from there to the one after.
-    pub(crate) fn advance(&mut self, motion: &CameraMotion<'_>, to_next_s: f64) {
+    pub(crate) fn advance(&mut self, motion: &CameraMotion<'_>, to_next_s: f64) -> Result<()> {
         let step = self.step.replace((motion.pose(to_next_s), to_next_s));
         if let (Some(sequence), Some((pose, elapsed_s))) = (&mut self.sequence, step) {
-            sequence.advance(&self.setup, &pose, elapsed_s, motion.gravity());
+            sequence.advance(&self.setup, &pose, elapsed_s, motion.gravity())?;
         }
+        Ok(())
     }
 
     /// Nothing is known of the way to the next frame: what was before is of no use to it.
     pub(crate) fn restart(&mut self) {
         self.step = None;
         if let Some(sequence) = &mut self.sequence {
-            **sequence = Sequence::new();
+            sequence.clear();
         }
     }
 
