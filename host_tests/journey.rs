@@ -1,7 +1,7 @@
 //! Several frames of a camera on any path past edges that may lean and move: an independent projection in world axes and
 //! double precision.
 
-use rand::{Rng, rngs::StdRng};
+use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use shutter_range::{Edge, Motion, Polarity, Pose, Range, Ranger, Scalar, Sequence, Setup, Uncertainty};
 
@@ -252,4 +252,41 @@ impl<S: Scalar, M: Fn(u32) -> Known> Drive<S, M> {
 fn product(a: Matrix, b: Matrix) -> Matrix {
     let columns = transposed(b);
     a.map(|row| std::array::from_fn(|column| (0..3).map(|k| row[k] * columns[column][k]).sum()))
+}
+
+pub(crate) fn seed(number: u64) -> StdRng {
+    StdRng::seed_from_u64(number)
+}
+
+pub(crate) fn normal(random: &mut StdRng) -> f64 {
+    random.sample(StandardNormal)
+}
+
+/// Error of the inverse depth: relative, and in units of the stated sigma.
+pub(crate) fn errors<S: Scalar>(range: &Range<S>, truth: &Truth) -> (f64, f64) {
+    let off = range.estimate.inverse_depth_per_m.to_f64() - truth.inverse_depth_per_m;
+    (off / truth.inverse_depth_per_m, off / range.estimate.sigma_inverse_depth_per_m.to_f64())
+}
+
+/// A range of a single post with its errors, frame by frame.
+pub(crate) fn follow<S: Scalar>(
+    journey: &Journey,
+    disturbance: Disturbance,
+    uncertainty: Uncertainty<S>,
+    post: &Post,
+    frames: u32,
+    random: &mut StdRng,
+) -> Vec<(Range<S>, f64, f64)> {
+    let real = journey.through(&disturbance);
+    let known = |frame| journey.known(frame, disturbance);
+    let mut drive = Drive::new(journey.setup(uncertainty), journey.interval_s, known);
+    let mut result = Vec::new();
+    for frame in 0..frames {
+        let edges = Journey::stamped(&journey.camera, real.edges(&[*post], frame, random));
+        let ranges = drive.frame(&edges);
+        let [range] = ranges.as_slice() else { panic!("frame {frame}: {ranges:#?}") };
+        let (relative, normal) = errors(range, &real.truth(post, frame));
+        result.push((*range, relative, normal));
+    }
+    result
 }

@@ -1,50 +1,11 @@
-//! Lines continued from frame to frame: what several frames tell of tilt and distance, and which edge is which.
+//! Lines continued from frame to frame: what several frames tell of tilt and distance, which edge is which, and what moves.
 
-use rand::{Rng, SeedableRng, rngs::StdRng};
-use rand_distr::StandardNormal;
-use shutter_range::{Edge, ErrorSource, Polarity, Q32, Range, RangeStatus, Scalar, Uncertainty};
+use shutter_range::{Edge, ErrorSource, Polarity, Q32, Range, RangeStatus, Scalar};
 
-use crate::journey::{Disturbance, Drive, Journey, Path, Post, Truth};
+use crate::journey::{Disturbance, Drive, Journey, Path, Post, errors, follow, seed};
 use crate::scenes::{TENTH_DEGREE, tilt_of};
 
 const HALF_DEGREE: f64 = 5.0 * TENTH_DEGREE;
-
-fn seed(number: u64) -> StdRng {
-    StdRng::seed_from_u64(number)
-}
-
-fn normal(random: &mut StdRng) -> f64 {
-    random.sample(StandardNormal)
-}
-
-/// Error of the inverse depth: relative, and in units of the stated sigma.
-fn errors<S: Scalar>(range: &Range<S>, truth: &Truth) -> (f64, f64) {
-    let off = range.estimate.inverse_depth_per_m.to_f64() - truth.inverse_depth_per_m;
-    (off / truth.inverse_depth_per_m, off / range.estimate.sigma_inverse_depth_per_m.to_f64())
-}
-
-/// A range of a single post with its errors, frame by frame.
-fn follow<S: Scalar>(
-    journey: &Journey,
-    disturbance: Disturbance,
-    uncertainty: Uncertainty<S>,
-    post: &Post,
-    frames: u32,
-    random: &mut StdRng,
-) -> Vec<(Range<S>, f64, f64)> {
-    let real = journey.through(&disturbance);
-    let known = |frame| journey.known(frame, disturbance);
-    let mut drive = Drive::new(journey.setup(uncertainty), journey.interval_s, known);
-    let mut result = Vec::new();
-    for frame in 0..frames {
-        let edges = Journey::stamped(&journey.camera, real.edges(&[*post], frame, random));
-        let ranges = drive.frame(&edges);
-        let [range] = ranges.as_slice() else { panic!("frame {frame}: {ranges:#?}") };
-        let (relative, normal) = errors(range, &real.truth(post, frame));
-        result.push((*range, relative, normal));
-    }
-    result
-}
 
 #[test]
 fn five_frames_tell_tilt_from_distance() {
@@ -68,143 +29,6 @@ fn five_frames_tell_tilt_from_distance() {
     check::<f64>();
     check::<f32>();
     check::<Q32>();
-}
-
-/// Shares of normalised errors.
-#[derive(Clone, Copy, Debug, Default)]
-struct Tally {
-    count: f64,
-    inside_two_sigma: f64,
-    squares: f64,
-    relative_squares: f64,
-}
-
-impl Tally {
-    fn add(&mut self, relative: f64, normal: f64) {
-        self.count += 1.0;
-        self.inside_two_sigma += f64::from(u8::from(normal.abs() < 2.0));
-        self.squares += normal * normal;
-        self.relative_squares += relative * relative;
-    }
-
-    fn share(&self) -> f64 {
-        self.inside_two_sigma / self.count
-    }
-
-    fn rms(&self) -> f64 {
-        (self.relative_squares / self.count).sqrt()
-    }
-}
-
-/// One tally for each frame of `RUNS` sequences with random leans, noise and disturbances of the stated sigmas.
-fn tallies<const FRAMES: usize>(
-    journey: &Journey,
-    depth_m: f64,
-    stated: Uncertainty<f64>,
-    runs: u64,
-) -> [Tally; FRAMES] {
-    let mut tallies = [Tally::default(); FRAMES];
-    for run in 0..runs {
-        let random = &mut seed(run);
-        let lean = normal(random) * stated.sigma_tilt;
-        let disturbance = Disturbance {
-            speed: normal(random) * stated.sigma_speed,
-            rate_rad_s: std::array::from_fn(|_| normal(random) * stated.sigma_rate_rad_s),
-            gravity: [normal(random) * stated.sigma_gravity, 0.0, normal(random) * stated.sigma_gravity],
-            readout: normal(random) * stated.sigma_readout,
-            focal: normal(random) * stated.sigma_focal,
-        };
-        let post = Post::at(0.1 * depth_m, depth_m).leaning(lean);
-        let found = follow(journey, disturbance, stated, &post, FRAMES as u32, random);
-        for (tally, (_, relative, normal)) in tallies.iter_mut().zip(&found) {
-            tally.add(*relative, *normal);
-        }
-    }
-    tallies
-}
-
-/// On any path, in every frame.
-#[test]
-fn sigma_holds_in_every_frame() {
-    let paths = [
-        Path::straight([-1.5, 0.0, 0.0]),
-        Path::straight([-1.2, 0.1, 0.9]),
-        Path { rate_rad_s: [0.1, -0.3, 0.15], attitude: [0.05, 0.1, -0.04], ..Path::straight([-1.2, 0.0, 0.5]) },
-        Path { acceleration_m_s2: [1.0, 0.0, 0.3], ..Path::straight([-1.5, 0.0, 0.0]) },
-    ];
-    for path in paths {
-        let journey = Journey { path, row_step: 4, sigma_px: 0.1, ..Journey::vga() };
-        for (frame, tally) in tallies::<6>(&journey, 2.5, tilt_of(3.0 * TENTH_DEGREE), 1000).iter().enumerate() {
-            let square = tally.squares / tally.count;
-            println!("{path:?}, frame {frame}: {:.3} inside two sigma, mean square {square:.2}", tally.share());
-            assert!((0.93..0.97).contains(&tally.share()), "{path:?}, frame {frame}: {}", tally.share());
-            assert!((0.85..1.15).contains(&square), "{path:?}, frame {frame}: {square}");
-        }
-    }
-}
-
-/// What may be wrong, each alone and all together: two sigma hold, in a single frame and in the fifth.
-#[test]
-fn sigma_holds_under_each_disturbance() {
-    let degree = 10.0 * TENTH_DEGREE;
-    let none = Uncertainty::<f64>::NONE;
-    let all = Uncertainty {
-        sigma_tilt: TENTH_DEGREE,
-        sigma_gravity: 0.2 * degree,
-        sigma_speed: 0.02,
-        sigma_rate_rad_s: 0.5 * degree,
-        sigma_readout: 0.01,
-        sigma_focal: 0.01,
-    };
-    let alone = [
-        ("tilt", Uncertainty { sigma_tilt: all.sigma_tilt, ..none }),
-        ("gravity", Uncertainty { sigma_gravity: all.sigma_gravity, ..none }),
-        ("speed", Uncertainty { sigma_speed: all.sigma_speed, ..none }),
-        ("rate", Uncertainty { sigma_rate_rad_s: all.sigma_rate_rad_s, ..none }),
-        ("readout", Uncertainty { sigma_readout: all.sigma_readout, ..none }),
-        ("focal", Uncertainty { sigma_focal: all.sigma_focal, ..none }),
-        ("all", all),
-    ];
-    let paths = [Path::straight([-1.5, 0.0, 0.0]), Path::straight([-1.3, 0.0, 0.75])];
-    for (name, stated) in alone {
-        for path in paths {
-            let journey = Journey { path, row_step: 8, sigma_px: 0.1, ..Journey::vga() };
-            let tallies = tallies::<5>(&journey, 2.0, stated, 1000);
-            for (frame, tally) in tallies.iter().enumerate() {
-                println!(
-                    "{name}, {:?}, frame {frame}: {:.3}, {:.2} %",
-                    path.velocity_m_s,
-                    tally.share(),
-                    tally.rms() * 100.0
-                );
-                // 95.4 % but for chance, which is 0.7 %.
-                assert!((0.93..0.97).contains(&tally.share()), "{name}, frame {frame}: {}", tally.share());
-            }
-        }
-    }
-}
-
-/// What is measured costs nothing: turning, pitching, rolling and braking, each against the same path without it.
-#[test]
-fn measured_motion_costs_no_accuracy() {
-    let degree = 10.0 * TENTH_DEGREE;
-    let straight = Path::straight([-1.5, 0.0, 0.0]);
-    let disturbed = [
-        ("yaw", Path { rate_rad_s: [0.0, 10.0 * degree, 0.0], ..straight }),
-        ("pitch and roll", Path { attitude: [2.0 * degree, 0.0, -2.0 * degree], ..straight }),
-        ("braking", Path { acceleration_m_s2: [1.0, 0.0, 0.0], ..straight }),
-    ];
-    let rms = |path: Path| {
-        let journey = Journey { path, row_step: 4, sigma_px: 0.1, ..Journey::vga() };
-        let [tally] = tallies::<1>(&journey, 2.0, Uncertainty::NONE, 2000);
-        tally.rms()
-    };
-    let calm = rms(straight);
-    for (name, path) in disturbed {
-        let ratio = rms(path) / calm;
-        println!("{name}: {ratio:.3} times {:.3} %", calm * 100.0);
-        assert!(ratio < 1.05, "{name}: {ratio}");
-    }
 }
 
 /// A speed of its own: relative to the camera, the object's velocity is the difference.
@@ -481,39 +305,4 @@ fn from_standstill() {
     }
     check::<f32>();
     check::<f64>();
-}
-
-/// An error of the speed that wanders within a second or so, at two frame rates: two sigma hold in the twentieth frame, too.
-#[test]
-fn sigma_holds_while_the_speed_drifts() {
-    const RUNS: u64 = 400;
-    let stated = Uncertainty { sigma_speed: 0.02, ..tilt_of(TENTH_DEGREE) };
-    for (interval_s, frames) in [(1.0 / 30.0, 20), (0.2, 8)] {
-        let journey = Journey { interval_s, row_step: 8, path: Path::straight([-0.4, 0.0, 0.0]), ..Journey::vga() };
-        let mut last = Tally::default();
-        for run in 0..RUNS {
-            let random = &mut seed(run);
-            // Ornstein and Uhlenbeck.
-            let kept = (-interval_s).exp();
-            let mut speed = vec![normal(random) * stated.sigma_speed];
-            for frame in 0..frames {
-                speed.push(speed[frame] * kept + normal(random) * stated.sigma_speed * (1.0 - kept * kept).sqrt());
-            }
-            let post = Post::at(-0.5, 2.0).leaning(normal(random) * stated.sigma_tilt);
-            let known = |frame: u32| {
-                let disturbance = Disturbance { speed: speed[frame as usize], ..Disturbance::default() };
-                journey.known(frame, disturbance)
-            };
-            let mut drive = Drive::new(journey.setup(stated), interval_s, known);
-            for frame in 0..frames as u32 {
-                let ranges = drive.frame(&journey.edges(&[post], frame, random));
-                if frame + 1 == frames as u32 {
-                    let (relative, normal) = errors(ranges.first().expect("a range"), &journey.truth(&post, frame));
-                    last.add(relative, normal);
-                }
-            }
-        }
-        println!("{interval_s} s: {:.3} inside two sigma, {:.2} % off", last.share(), last.rms() * 100.0);
-        assert!((0.92..0.995).contains(&last.share()), "{interval_s} s: {}", last.share());
-    }
 }

@@ -1,11 +1,11 @@
 //! [`Belief`]: what is known of an edge before its columns are looked at.
 
 use crate::effects::Cause;
-use crate::scalar::hypot;
-use crate::sight::{LineInSpace, Sight};
+use crate::sight::LineInSpace;
 use crate::solve::{BelievedRow, Row, Rows};
 use crate::state::State;
-use crate::{Camera, Motion, MotionBlur, Sample, Scalar, Setup};
+use crate::witness::BlurWitness;
+use crate::{Scalar, Setup};
 
 /// Prior and blur: each becomes a row of the same least squares that the columns enter.
 #[derive(Clone, Copy)]
@@ -36,100 +36,11 @@ fn add<S: Scalar, const N: usize>(rows: &mut Rows<S, N>, row: BelievedRow<S>) {
     }
 }
 
-fn cause_at(cause: Cause) -> impl Fn(usize) -> bool {
-    move |index| Cause::ALL.get(index) == Some(&cause)
-}
-
 /// Upright, but for lean and the direction of gravity.
 fn upright<S: Scalar>(setup: &Setup<S>, edge: &LineInSpace<S>) -> BelievedRow<S> {
     let root_weight = setup.uncertainty().sigma_tilt_at(edge.bearing);
-    let is_tilt = cause_at(Cause::Tilt);
     BelievedRow {
         row: Row { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -edge.tilt, root_weight },
-        errors: core::array::from_fn(|index| if is_tilt(index) { S::ONE } else { S::ZERO }),
+        errors: Cause::Tilt.alone(S::ONE),
     }
 }
-
-/// The blur that motion has added to an edge, as a measurement of its path during the exposure.
-///
-/// Of the edge's variance, lens² + 1/12 + B²/12, the path B belongs to the motion, whatever the lean.
-///
-/// *Source*: blur = |slope caused by motion| · exposure / line time.
-#[derive(Clone, Copy)]
-pub(crate) struct BlurWitness<S> {
-    /// Where the middle of the line is seen at the beginning and at the end of the exposure.
-    ends: [Sight<S>; 2],
-    /// Variance of the edge.
-    measured_px2: S,
-    /// One sigma of it from noise and from the shape of the profile.
-    pub(crate) sigma_px2: S,
-    pub(crate) lens_px: S,
-    sigma_lens_px: S,
-}
-
-impl<S: Scalar> BlurWitness<S> {
-    /// From the mean width of a line and its sigma; `middle` is somewhere in its middle.
-    pub(crate) fn new<M: Motion<S>>(
-        camera: &Camera<S>,
-        motion: &M,
-        blur: &MotionBlur<S>,
-        middle: &Sample<S>,
-        (width_px, sigma_px): (S, S),
-    ) -> Option<Self> {
-        let half = blur.exposure_s * S::ratio(1, 2);
-        let at = |time_s: S| {
-            Sight::new(camera, motion, &Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px))
-        };
-        let measured = width_px * width_px;
-        let of_noise = (width_px + width_px) * sigma_px;
-        let of_shape = measured * S::ratio(SHAPE_PERCENT, 100);
-        Some(Self {
-            ends: [at(middle.time_s - half)?, at(middle.time_s + half)?],
-            measured_px2: measured,
-            sigma_px2: hypot(of_noise, of_shape),
-            lens_px: blur.lens_blur_px,
-            sigma_lens_px: blur.sigma_lens_blur_px,
-        })
-    }
-
-    /// Variance that a still edge would have.
-    pub(crate) fn lens_and_pixel_px2(&self) -> S {
-        self.lens_px * self.lens_px + S::ratio(1, 12)
-    }
-
-    /// Path along the row during the exposure, in pixels with its sign.
-    pub(crate) fn path_px(&self, edge: &LineInSpace<S>) -> Option<S> {
-        let [begin, end] = &self.ends;
-        Some(edge.miss_px(begin)? - edge.miss_px(end)?)
-    }
-
-    /// One sigma of the variance, the lens's own blur included.
-    pub(crate) fn joint_sigma_px2(&self) -> S {
-        hypot(self.sigma_px2, self.per_lens_px() * self.sigma_lens_px)
-    }
-
-    /// By how much the measured variance exceeds what a path explains, in square pixels.
-    pub(crate) fn excess_px2(&self, path_px: S) -> S {
-        self.measured_px2 - self.lens_and_pixel_px2() - path_px * path_px * S::ratio(1, 12)
-    }
-
-    /// Change of the variance with the lens's blur.
-    fn per_lens_px(&self) -> S {
-        self.lens_px + self.lens_px
-    }
-
-    fn row(&self, edge: &LineInSpace<S>) -> Option<BelievedRow<S>> {
-        let path = self.path_px(edge)?;
-        // The path grows with the inverse depth but for what rotation contributes, which does not depend on it.
-        let [begin, end] = &self.ends;
-        let q = path * S::ratio(1, 6) * (edge.miss_per_inverse_depth(begin)? - edge.miss_per_inverse_depth(end)?);
-        let is_lens = cause_at(Cause::Lens);
-        Some(BelievedRow {
-            row: Row { one: S::ZERO, q, w: S::ZERO, y: self.excess_px2(path), root_weight: self.joint_sigma_px2() },
-            errors: core::array::from_fn(|index| if is_lens(index) { -self.per_lens_px() } else { S::ZERO }),
-        })
-    }
-}
-
-/// What the shape of the profile may cost of its variance, as one sigma in percent.
-const SHAPE_PERCENT: i32 = 2;

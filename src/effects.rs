@@ -5,7 +5,7 @@ use crate::covariance::Covariance;
 use crate::scalar::hypot;
 use crate::sight::{LineInSpace, Sight};
 use crate::solve::{Rows, Solution};
-use crate::vector::{cross, dot, scale};
+use crate::vector::{cross, dot, on_axis, scale};
 use crate::{Scalar, Setup};
 
 /// Something that is assumed, and may be wrong in the same way for all samples of an edge.
@@ -44,6 +44,11 @@ impl Cause {
         }
     }
 
+    /// An error of this cause and of no other.
+    pub(crate) fn alone<S: Scalar>(self, error: S) -> [S; CAUSES] {
+        Self::ALL.map(|cause| if cause == self { error } else { S::ZERO })
+    }
+
     /// Whether the noise of the believed rows has it already.
     fn is_believed(self) -> bool {
         matches!(self, Self::Tilt | Self::Lens)
@@ -55,7 +60,7 @@ impl Cause {
         let (direction, position) = match self {
             Self::Tilt | Self::Lens => return S::ZERO,
             Self::Speed => (still, sight.position),
-            Self::Rate(axis) => (cross(along(axis, sight.time_s), sight.direction), still),
+            Self::Rate(axis) => (cross(on_axis(axis, sight.time_s), sight.direction), still),
             Self::Readout => (cross(sight.turned, sight.direction), sight.advanced),
             Self::Focal => (sight.off_axis, still),
         };
@@ -65,15 +70,6 @@ impl Cause {
         let turned = edge.offset(cross(direction, down), sight);
         (edge.inverse_depth * dot(m, position) - turned) / mx
     }
-}
-
-/// A vector of a given length along one of the axes.
-pub(crate) fn along<S: Scalar>(axis: usize, length: S) -> [S; 3] {
-    let mut vector = [S::ZERO; 3];
-    if let Some(component) = vector.get_mut(axis) {
-        *component = length;
-    }
-    vector
 }
 
 /// By how much a unit error of each cause moves bearing, inverse depth and tilt.

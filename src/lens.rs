@@ -1,7 +1,7 @@
 //! [`LensBlur`]: the lens's own blur, learned from the edges that pass.
 
-use crate::belief::BlurWitness;
 use crate::scalar::hypot;
+use crate::witness::BlurWitness;
 use crate::{MotionBlur, Range, RangeStatus, Scalar};
 
 /// What one edge tells of the lens: the variance of its blur that neither motion nor the pixel explains.

@@ -1,12 +1,13 @@
 //! [`Range`]: what is told of one line.
 
-use crate::belief::{Belief, BlurWitness};
+use crate::belief::Belief;
 use crate::estimate::{Estimate, Interval, RangeStatus};
 use crate::fit::{FitError, Fitted, fit_with};
 use crate::lens::LensWitness;
 use crate::sight::{LineInSpace, Sight};
 use crate::state::State;
 use crate::straightness::Straightness;
+use crate::witness::BlurWitness;
 use crate::{Edge, Line, Motion, Polarity, Sample, Scalar, Setup};
 
 /// The range of one upright edge: estimate, status, and where the edge is in the image.
@@ -87,9 +88,8 @@ impl<S: Scalar> Range<S> {
     ) -> Self {
         let estimate = Estimate::new(state, setup, &Straightness::NONE);
         let (top, bottom) = line.top_and_bottom();
-        let short = line.edges() < setup.limits().min_edges;
         Self {
-            status: if short { RangeStatus::Short } else { estimate.status() },
+            status: status_of(setup, line, &estimate),
             estimate,
             column_at_first_row: column_at(setup, motion, &state.edge, top),
             column_at_last_row: column_at(setup, motion, &state.edge, bottom),
@@ -129,8 +129,7 @@ impl<S: Scalar> Range<S> {
         self.column_at_last_row = column_at(setup, motion, edge, bottom);
         self.estimate = fitted.estimate;
         self.edges_used = line.edges_in(fitted.kept.iter().copied());
-        let short = line.edges() < setup.limits().min_edges;
-        self.status = if short { RangeStatus::Short } else { fitted.estimate.status() };
+        self.status = status_of(setup, line, &fitted.estimate);
         if self.status == RangeStatus::Ok && is_fragment(self, line) {
             self.status = RangeStatus::Bent;
         }
@@ -188,6 +187,15 @@ impl<S: Scalar> Range<S> {
     fn if_ok(&self, interval: Interval<S>) -> Interval<S> {
         if self.status == RangeStatus::Ok { interval } else { Interval { estimate_m: None, ..interval } }
     }
+}
+
+/// What an estimate is worth if the line has edges enough.
+fn status_of<S: Scalar, const KNOTS: usize>(
+    setup: &Setup<S>,
+    line: &Line<KNOTS>,
+    estimate: &Estimate<S>,
+) -> RangeStatus {
+    if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() }
 }
 
 /// A short line of pixels that fits badly or has gaps is a piece of something else: only a long one can be straight beside a

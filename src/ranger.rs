@@ -2,7 +2,8 @@
 
 use heapless::Vec;
 
-use crate::profile::{Neighbours, Profile};
+use crate::look::Neighbours;
+use crate::profile::Profile;
 use crate::track::RowTime;
 use crate::{Counters, Edge, EdgeError, Line, Motion, Range, RowError, Scalar, Scanner, Setup, Tracker};
 

@@ -77,7 +77,8 @@ pub struct Limits {
     pub confirm_edges: u16,
     /// Rows in a row without an edge after which a tentative line is dropped.
     pub tentative_gap_rows: u16,
-    /// Rows in a row without an edge after which a confirmed line ends.
+    /// Rows in a row without an edge after which a confirmed line ends; as many more as it has edges, or half as many where its
+    /// edges are somebody's own.
     pub gap_rows: u16,
     /// A line of fewer edges is `short`.
     pub min_edges: u16,

@@ -1,11 +1,11 @@
 //! [`State`]: what is known of an edge, and how it changes on the way to the next frame.
 
 use crate::covariance::Covariance;
-use crate::effects::{Cause, Effects, along};
+use crate::effects::{Cause, Effects};
 use crate::scalar::hypot;
 use crate::sight::LineInSpace;
 use crate::solve::{BelievedRow, Row};
-use crate::vector::{add, cross, dot, scale, sub};
+use crate::vector::{add, cross, dot, on_axis, scale, sub};
 use crate::{Pose, Scalar, Setup};
 
 /// Bearing, inverse depth and tilt with all that is known of their errors.
@@ -158,7 +158,7 @@ impl<S: Scalar> View<S> {
                 self.change(back, none, S::ZERO)
             }
             Cause::Rate(axis) => {
-                let angle = along(axis, passage.elapsed_s);
+                let angle = on_axis(axis, passage.elapsed_s);
                 self.change(cross(self.foot, angle), cross(self.down, angle), S::ZERO)
             }
             // Of the rows of a frame alone.

@@ -1,6 +1,7 @@
 //! [`Track`]: one line under way, with its prediction.
 
-use crate::profile::{Neighbours, Profile};
+use crate::look::Neighbours;
+use crate::profile::Profile;
 use crate::sweep::Prediction;
 use crate::{Edge, Limits, Line};
 

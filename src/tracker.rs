@@ -2,7 +2,8 @@
 
 use heapless::Vec;
 
-use crate::profile::{Neighbours, Profile};
+use crate::look::Neighbours;
+use crate::profile::Profile;
 use crate::sweep::{Pair, Prediction, Settled, Sweep};
 use crate::track::{RowTime, State, Track};
 use crate::{Edge, Limits, Line, Polarity};
@@ -48,7 +49,7 @@ struct Explained {
     polarity: Polarity,
 }
 
-/// A row of more edges is crowded.
+/// A row with more edges that belong to no confirmed line is crowded.
 const MOST_EDGES_APART: usize = 1;
 /// Most that [`Explained::reach_q16`] can be.
 const MAX_REACH_Q16: i64 = 34 << 16;

@@ -29,3 +29,12 @@ pub(crate) fn sub<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
 pub(crate) fn scale<S: Scalar>(a: [S; 3], factor: S) -> [S; 3] {
     a.map(|component| component * factor)
 }
+
+/// A vector of a given length along one of the axes.
+pub(crate) fn on_axis<S: Scalar>(axis: usize, length: S) -> [S; 3] {
+    let mut vector = [S::ZERO; 3];
+    if let Some(component) = vector.get_mut(axis) {
+        *component = length;
+    }
+    vector
+}

@@ -1,0 +1,261 @@
+//! [`Look`]: the pixels around an edge, and what they say for and against an expected profile.
+
+use crate::Edge;
+use crate::template::{Place, Template};
+
+/// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Neighbours {
+    pub(crate) left_q16: i64,
+    pub(crate) right_q16: i64,
+}
+
+impl Neighbours {
+    /// None near enough to matter.
+    pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+
+    /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
+    /// noise breaks a long blur.
+    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
+        let mut around = Self::NONE;
+        for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
+            if column_q16 < edge.column_q16 {
+                around.left_q16 = around.left_q16.max(i64::from(column_q16));
+            } else if column_q16 > edge.column_q16 {
+                around.right_q16 = around.right_q16.min(i64::from(column_q16));
+            }
+        }
+        around
+    }
+}
+
+/// Pixels of plateau on either side that tell its level.
+const PLATEAU: i64 = 4;
+/// Pixels of it beside texture.
+const BESIDE: usize = 1;
+
+/// The pixels around an edge: its flank, and a plateau on either side.
+pub(crate) struct Look<'p> {
+    flank: &'p [u8],
+    plateaus: [&'p [u8]; 2],
+    /// Of the flank's first pixel from the expected column.
+    off_q8: i32,
+}
+
+impl<'p> Look<'p> {
+    pub(crate) fn new(pixels: &'p [u8], column_q16: i64, template: &Template, around: Neighbours) -> Option<Self> {
+        let reach_q16 = i64::from(template.reach_q8()) << 8;
+        let (from_q16, to_q16) = view(column_q16, reach_q16, around);
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
+        // At least the outermost pixels tell the levels.
+        let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + 1);
+        let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - 1);
+        let part = |from: i64, to: i64| pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?);
+        Some(Self {
+            flank: part(flank_from, flank_to)?,
+            plateaus: [part(from, flank_from)?, part(flank_to, to)?],
+            off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
+        })
+    }
+
+    /// What the flank says of the levels themselves, given those to expect.
+    pub(crate) fn level_sums(&self, template: &Template, levels_q8: [i64; 2]) -> LevelSums {
+        let mut sums = LevelSums::default();
+        let [left_q8, right_q8] = levels_q8;
+        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
+            let (step, slope) = (i64::from(place.step), i64::from(place.slope));
+            let residual = (i64::from(*pixel) << 8) - left_q8 - (((right_q8 - left_q8) * step) >> 15);
+            sums.add(residual, slope, [(1 << 15) - step, step]);
+        }
+        // And the pixels next to it.
+        let [left, right] = self.plateaus;
+        for pixel in left.iter().rev().take(BESIDE) {
+            sums.add((i64::from(*pixel) << 8) - left_q8, 0, [1 << 15, 0]);
+        }
+        for pixel in right.iter().take(BESIDE) {
+            sums.add((i64::from(*pixel) << 8) - right_q8, 0, [0, 1 << 15]);
+        }
+        sums
+    }
+
+    /// Given the levels to expect.
+    pub(crate) fn sums(&self, template: &Template, levels_q8: [i64; 2]) -> Sums {
+        let mut sums = Sums::default();
+        let [left_q8, right_q8] = levels_q8;
+        let contrast_q8 = right_q8 - left_q8;
+        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
+            let expected_q8 = left_q8 + ((contrast_q8 * i64::from(place.step)) >> 15);
+            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
+        }
+        let [left, right] = self.plateaus;
+        sums.plateau_pixels = [left.len() as i64, right.len() as i64];
+        sums.off_q16 = [off_q16(left, left_q8), off_q16(right, right_q8)];
+        sums
+    }
+}
+
+/// Mean of a plateau minus what is expected.
+fn off_q16(plateau: &[u8], level_q8: i64) -> i64 {
+    let sum: u32 = plateau.iter().map(|pixel| u32::from(*pixel)).sum();
+    (i64::from(sum) << 16) / (plateau.len() as i64).max(1) - (level_q8 << 8)
+}
+
+/// Inner products of residual, slope of the profile, and its change with the width, over the flank; what lies beyond.
+#[derive(Default)]
+pub(crate) struct Sums {
+    pub(crate) pixels: i64,
+    pub(crate) residual_residual: i64,
+    pub(crate) residual_slope: i64,
+    residual_widening: i64,
+    pub(crate) slope: i64,
+    pub(crate) slope_slope: i64,
+    widening_widening: i64,
+    widening_step: i64,
+    residual_shape: i64,
+    shape_shape: i64,
+    shape_step: i64,
+    widening_shape: i64,
+    pub(crate) plateau_pixels: [i64; 2],
+    /// The row's own levels minus the expected ones.
+    pub(crate) off_q16: [i64; 2],
+}
+
+impl Sums {
+    fn add(&mut self, residual: i64, place: &Place) {
+        let (step, slope, widening) = (i64::from(place.step), i64::from(place.slope), i64::from(place.widening));
+        self.pixels += 1;
+        self.residual_residual += residual * residual;
+        self.residual_slope += residual * slope;
+        self.residual_widening += residual * widening;
+        self.slope += slope;
+        self.slope_slope += slope * slope;
+        self.widening_widening += widening * widening;
+        self.widening_step += widening * (step - (1 << 14));
+        if place.shape != 0 {
+            let shape = i64::from(place.shape);
+            self.residual_shape += residual * shape;
+            self.shape_shape += shape * shape;
+            self.shape_step += shape * (step - (1 << 14));
+            self.widening_shape += widening * shape;
+        }
+    }
+
+    /// Product of the residual with the slope, had the row's own levels been expected: of the slope's sum half belongs to
+    /// either level.
+    ///
+    /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
+    /// and each row for itself knows neither lag nor drift, and no bad start.
+    pub(crate) fn residual_slope(&self) -> i64 {
+        let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        self.residual_slope - (left_q8 + right_q8) * self.slope / 2
+    }
+
+    /// Products of the widening with the residual (likewise; it changes sign in the middle) and with itself; and the same
+    /// without what another lens would explain, which is less biased and noisier.
+    pub(crate) fn widening(&self) -> [(i64, i64); 2] {
+        let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        let own = |residual: i64, step: i64| residual - (((right_q8 - left_q8) * step) >> 15);
+        let residual = own(self.residual_widening, self.widening_step);
+        let square = self.widening_widening >> 15;
+        let part_q15 = self.widening_shape.checked_div(self.shape_shape >> 15).unwrap_or(0);
+        let of_shape = (own(self.residual_shape, self.shape_step) * part_q15) >> 15;
+        let shared = ((self.widening_shape >> 15) * part_q15) >> 15;
+        [(residual, square), (residual - of_shape, square - shared)]
+    }
+}
+
+/// Inner products with a level's share of each pixel of the flank.
+#[derive(Clone, Copy, Default)]
+struct Level {
+    own: i64,
+    residual: i64,
+    slope: i64,
+}
+
+/// Those of the left and of the right level, and of the two with each other.
+#[derive(Default)]
+pub(crate) struct LevelSums {
+    levels: [Level; 2],
+    shared: i64,
+}
+
+impl LevelSums {
+    fn add(&mut self, residual: i64, slope: i64, shares: [i64; 2]) {
+        for (level, share) in self.levels.iter_mut().zip(shares) {
+            level.own += share * share;
+            level.residual += share * residual;
+            level.slope += share * slope;
+        }
+        let [left, right] = shares;
+        self.shared += left * right;
+    }
+}
+
+impl Sums {
+    /// Leaves it to the edge's own pixels to tell the levels that are `free`: takes out of the sums what these levels explain,
+    /// by orthogonalisation, and returns what they are above the expected ones. From then on no level is off.
+    pub(crate) fn free_levels(&mut self, of_levels: LevelSums, free: [bool; 2]) -> [i64; 2] {
+        let LevelSums { levels: [mut left, mut right], shared } = of_levels;
+        let part = |of: i64, own: i64| (of << 15) / own.max(1);
+        let [left_free, right_free] = free;
+        let [left_off, right_off] = self.off_q16.map(|off_q16| off_q16 >> 8);
+        self.off_q16 = [0; 2];
+        // What the plateaus tell of the other level is known.
+        if !left_free {
+            self.residual_slope -= (left_off * left.slope) >> 15;
+            right.residual -= (left_off * shared) >> 15;
+        }
+        if !right_free {
+            self.residual_slope -= (right_off * right.slope) >> 15;
+            left.residual -= (right_off * shared) >> 15;
+        }
+        if left_free && right_free {
+            let common = part(shared, left.own);
+            right.own = (right.own - ((common * shared) >> 15)).max(1 << 26);
+            right.residual -= (common * left.residual) >> 15;
+            right.slope -= (common * left.slope) >> 15;
+        }
+        for level in [left_free.then_some(left), right_free.then_some(right)].into_iter().flatten() {
+            self.slope_slope -= (part(level.slope, level.own) * level.slope) >> 15;
+            self.residual_slope -= (part(level.slope, level.own) * level.residual) >> 15;
+            self.residual_residual -= (part(level.residual, level.own) * level.residual) >> 15;
+        }
+        let shift = part(self.residual_slope, self.slope_slope);
+        let change = |level: &Level| part(level.residual - ((shift * level.slope) >> 15), level.own);
+        let right_change = if right_free { change(&right) } else { 0 };
+        left.residual -= (right_change * shared) >> 15;
+        let left_change = if left_free { change(&left) } else { 0 };
+        [left_change, right_change]
+    }
+}
+
+/// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
+/// half the way to it.
+fn view(column_q16: i64, reach_q16: i64, around: Neighbours) -> (i64, i64) {
+    // The longer the blur, the more a wrong level shifts the edge.
+    let far_q16 = 2 * reach_q16 + (PLATEAU << 16);
+    let left = (around.left_q16 + reach_q16).min((column_q16 + around.left_q16) / 2);
+    let right = (around.right_q16 - reach_q16).max((column_q16 + around.right_q16) / 2);
+    ((column_q16 - far_q16).max(left), (column_q16 + far_q16).min(right))
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Side {
+    Left,
+    Right,
+}
+
+/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
+pub(crate) fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
+    let (left, right) = view(column, reach_q16, around);
+    let (from, to) = match side {
+        Side::Left => (left, (column - reach_q16).max(left)),
+        Side::Right => ((column + reach_q16).min(right), right),
+    };
+    let from = ((from + (1 << 15)) >> 16).max(0);
+    let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
+    let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
+    // Fewer than 256 pixels: the sum fits 16 bits.
+    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
+    (sum << 16).checked_div(window.len() as u32)
+}
