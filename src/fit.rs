@@ -66,7 +66,7 @@ impl core::error::Error for FitError {}
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
 /// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where tilt is free, at most
-/// 100 where samples must be left out; 40 `N` numbers of stack.
+/// 130 where samples must be left out; 40 `N` numbers of stack.
 ///
 /// *Source*: `m · (P0 − p(t)) = 0`; for a level camera in translation along x this is the paper's equation (3).
 ///
@@ -190,9 +190,10 @@ fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> 
 }
 
 const MAX_CLEANINGS: usize = 4;
-const DOUBTING_ROUNDS: usize = 8;
-/// Beyond so many times the usual deviation a sample is of something else.
-const STRANGE: i32 = 6;
+const DOUBTING_ROUNDS: usize = 16;
+/// Beyond so many times the usual deviation a sample may be of something else, or is.
+const DOUBTFUL: i32 = 3;
+const STRANGE: i32 = 4;
 const MOST_ROUNDS: usize = 8;
 
 struct Problem<'a, S, const N: usize> {
@@ -231,16 +232,17 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(Solved { edge: solution.apply(edge), solution, rows })
     }
 
-    /// More rounds, until one changes next to nothing: mostly two.
+    /// More rounds, until one changes next to nothing: mostly two. What does not settle is no straight edge: one round tells roughly
+    /// where it is.
     fn settle(&self, edge: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
         let mut solved = self.round(edge, Round::Later)?;
         for _ in 1..MOST_ROUNDS {
             if solved.solution.step() < S::ratio(1, 50) {
-                break;
+                return Ok(solved);
             }
             solved = self.round(&solved.edge, Round::Later)?;
         }
-        Ok(solved)
+        self.round(edge, Round::Later)
     }
 
     /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
@@ -260,8 +262,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
     /// `None` where none deviates enough.
     fn doubt_strangers(&mut self, solved: &Solved<S, N>) -> Result<Option<Solved<S, N>>, FitError> {
-        let worst = self.deviations(solved).reduce(S::max);
-        if !worst.is_some_and(|worst| worst > S::from_i32(STRANGE)) {
+        let sizes = self.deviations(solved);
+        let limit = usual_of(&sizes) * S::from_i32(DOUBTFUL);
+        if !sizes.iter().any(|size| *size > limit) {
             return Ok(None);
         }
         let mut doubtful = None;
@@ -269,7 +272,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             let last = doubtful.as_ref().unwrap_or(solved);
             for (sight, row) in self.sights.iter_mut().zip(&last.rows.observed) {
                 let deviation = last.solution.deviation(row).abs() * sight.doubt;
-                sight.doubt = deviation.max(S::ONE).min(S::from_i32(10_000)).sqrt();
+                sight.doubt = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
             }
             doubtful = Some(self.round(&last.edge, Round::Later)?);
         }
@@ -277,25 +280,22 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// How far off the samples are that are still in, in units of their own noise.
-    fn deviations(&self, solved: &Solved<S, N>) -> impl Iterator<Item = S> {
-        let kept = solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept);
-        kept.map(|(row, sight)| solved.solution.deviation(row).abs() * sight.doubt)
+    fn deviations(&self, solved: &Solved<S, N>) -> Vec<S, N> {
+        let mut sizes = Vec::new();
+        for (row, sight) in solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept) {
+            // As many as sights.
+            let _ = sizes.push(solved.solution.deviation(row).abs() * sight.doubt);
+        }
+        sizes
     }
 
-    /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between: beyond
-    /// six times the usual deviation, which is that of two thirds of them and one sigma at least. A third of them at most:
-    /// if more do not fit, then this is no straight edge. Doubt ends here.
+    /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between. A third of
+    /// them at most: if more do not fit, then this is no straight edge. Doubt ends here.
     fn drop_strangers(&mut self, doubtful: &Solved<S, N>) -> bool {
-        let mut sizes: Vec<S, N> = Vec::new();
-        for size in self.deviations(doubtful) {
-            // As many as sights.
-            let _ = sizes.push(size);
-        }
+        let sizes = self.deviations(doubtful);
         let count = sizes.len();
-        // What two thirds of normal values stay below, one sigma, without a sort.
-        let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
-        let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * count).reduce(S::max).unwrap_or(S::ONE);
-        let limit = usual.max(S::ONE) * S::from_i32(STRANGE);
+        // Of few samples it is not well known what is usual.
+        let limit = usual_of(&sizes) * (S::from_i32(STRANGE) + S::ratio(16, count.max(1) as i32));
         let strangers = sizes.iter().filter(|size| **size > limit).count();
         let leave_out = strangers > 0 && 3 * (self.sights.len() - count + strangers) <= self.sights.len();
         for (sight, row) in self.sights.iter_mut().zip(&doubtful.rows.observed) {
@@ -314,4 +314,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             kept.map(|(row, sight)| solved.solution.deviation(row) * (sight.sigma_px / hypot(sight.sigma_px, floor))),
         )
     }
+}
+
+/// How large deviations usually are: what two thirds of them stay below, as of normal values with one sigma, without a sort.
+/// Half a sigma at least: of values that hardly deviate none is a stranger.
+fn usual_of<S: Scalar>(sizes: &[S]) -> S {
+    let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
+    let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);
+    usual.unwrap_or(S::ONE).max(S::ratio(1, 2))
 }

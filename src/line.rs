@@ -149,25 +149,32 @@ impl<const KNOTS: usize> Line<KNOTS> {
     ///
     /// *Cost*: a few dozen instructions; a merge of all knots each time the line's length doubles.
     pub fn push(&mut self, edge: Edge) -> Result<(), OutOfOrder> {
-        let advance = i32::from(edge.row) - i32::from(self.last.row);
-        let so_far = i32::from(self.last.row) - i32::from(self.first.row);
-        let turned_back = advance.signum() * so_far.signum() < 0;
-        if advance == 0 || turned_back || edge.time_ns < self.last.time_ns {
-            return Err(OutOfOrder(edge));
-        }
+        self.check_order(&edge)?;
         self.add(&Knot::of(&edge, &self.first), edge.row.abs_diff(self.first.row));
         self.last = edge;
         self.edges = self.edges.saturating_add(1);
         Ok(())
     }
 
-    /// Appends a later line, knot by knot.
+    /// Whether an edge comes after the last one, and on the same side of the first.
+    fn check_order(&self, edge: &Edge) -> Result<(), OutOfOrder> {
+        let advance = i32::from(edge.row) - i32::from(self.last.row);
+        let so_far = i32::from(self.last.row) - i32::from(self.first.row);
+        let turned_back = advance.signum() * so_far.signum() < 0;
+        if advance == 0 || turned_back || edge.time_ns < self.last.time_ns {
+            return Err(OutOfOrder(*edge));
+        }
+        Ok(())
+    }
+
+    /// Appends a line that goes on further, knot by knot; it may have begun before this one's last edge.
     ///
-    /// *Errors*: as [`Line::push`]; nothing has changed then.
+    /// *Errors*: as [`Line::push`] for its last edge, or where it begins before this one; nothing has changed then.
     pub(crate) fn append(&mut self, later: &Self) -> Result<(), OutOfOrder> {
-        let mut joined = self.clone();
-        joined.push(later.first)?;
-        joined.push(later.last)?;
+        self.check_order(&later.last)?;
+        if later.first.time_ns < self.first.time_ns {
+            return Err(OutOfOrder(later.first));
+        }
         let start = Knot::of(&later.first, &self.first);
         for knot in later.knots.iter().filter(|knot| knot.edges > 0) {
             let edges = knot.edges;
@@ -185,11 +192,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
-    /// Multiplies the sigmas of all edges so far.
-    pub(crate) fn widen(&mut self, factor: u32) {
-        let square = u64::from(factor) * u64::from(factor);
+    /// Raises the sigmas of all edges so far to at least this.
+    pub(crate) fn blunt(&mut self, sigma_q16: u32) {
+        let square = u64::from(sigma_q16) * u64::from(sigma_q16);
         for knot in &mut self.knots {
-            knot.variances_q32 = knot.variances_q32.saturating_mul(square);
+            knot.variances_q32 = knot.variances_q32.max(square.saturating_mul(u64::from(knot.edges)));
         }
     }
 

@@ -31,8 +31,6 @@ impl Neighbours {
 
 /// Pixels of plateau on either side that tell its level.
 const PLATEAU: i64 = 4;
-/// Pixels of it beside texture.
-const BESIDE: usize = 1;
 
 /// The pixels around an edge: its flank, and a plateau on either side.
 pub(crate) struct Look<'p> {
@@ -63,17 +61,8 @@ impl<'p> Look<'p> {
         let mut sums = LevelSums::default();
         let [left_q8, right_q8] = levels_q8;
         for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
-            let (step, slope) = (i64::from(place.step), i64::from(place.slope));
-            let residual = (i64::from(*pixel) << 8) - left_q8 - (((right_q8 - left_q8) * step) >> 15);
-            sums.add(residual, slope, [(1 << 15) - step, step]);
-        }
-        // And the pixels next to it.
-        let [left, right] = self.plateaus;
-        for pixel in left.iter().rev().take(BESIDE) {
-            sums.add((i64::from(*pixel) << 8) - left_q8, 0, [1 << 15, 0]);
-        }
-        for pixel in right.iter().take(BESIDE) {
-            sums.add((i64::from(*pixel) << 8) - right_q8, 0, [0, 1 << 15]);
+            let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
+            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
         }
         sums
     }
@@ -140,6 +129,11 @@ impl Sums {
         }
     }
 
+    /// Whether both flanks are in view.
+    pub(crate) const fn shows_edge(&self) -> bool {
+        self.pixels >= 3 && self.slope_slope >= 1 << 24
+    }
+
     /// Product of the residual with the slope, had the row's own levels been expected: of the slope's sum half belongs to
     /// either level.
     ///
@@ -172,60 +166,56 @@ struct Level {
     slope: i64,
 }
 
+impl Level {
+    fn add(&mut self, residual: i64, slope: i64, share: i64) {
+        self.own += share * share;
+        self.residual += share * residual;
+        self.slope += share * slope;
+    }
+}
+
 /// Those of the left and of the right level, and of the two with each other.
 #[derive(Default)]
 pub(crate) struct LevelSums {
-    levels: [Level; 2],
+    left: Level,
+    right: Level,
     shared: i64,
 }
 
 impl LevelSums {
-    fn add(&mut self, residual: i64, slope: i64, shares: [i64; 2]) {
-        for (level, share) in self.levels.iter_mut().zip(shares) {
-            level.own += share * share;
-            level.residual += share * residual;
-            level.slope += share * slope;
-        }
-        let [left, right] = shares;
+    fn add(&mut self, residual: i64, place: &Place) {
+        let (slope, right) = (i64::from(place.slope), i64::from(place.step));
+        let left = (1 << 15) - right;
+        self.left.add(residual, slope, left);
+        self.right.add(residual, slope, right);
         self.shared += left * right;
     }
 }
 
 impl Sums {
-    /// Leaves it to the edge's own pixels to tell the levels that are `free`: takes out of the sums what these levels explain,
-    /// by orthogonalisation, and returns what they are above the expected ones. From then on no level is off.
-    pub(crate) fn free_levels(&mut self, of_levels: LevelSums, free: [bool; 2]) -> [i64; 2] {
-        let LevelSums { levels: [mut left, mut right], shared } = of_levels;
+    /// Leaves it to the edge's own pixels to tell the levels: takes out of the sums what the levels explain, by
+    /// orthogonalisation, and returns what they are above the expected ones. From then on no level is off. `None` where too little of
+    /// the edge is in view.
+    pub(crate) fn free_levels(&mut self, of_levels: LevelSums) -> Option<[i64; 2]> {
+        let LevelSums { left, mut right, shared } = of_levels;
         let part = |of: i64, own: i64| (of << 15) / own.max(1);
-        let [left_free, right_free] = free;
-        let [left_off, right_off] = self.off_q16.map(|off_q16| off_q16 >> 8);
         self.off_q16 = [0; 2];
-        // What the plateaus tell of the other level is known.
-        if !left_free {
-            self.residual_slope -= (left_off * left.slope) >> 15;
-            right.residual -= (left_off * shared) >> 15;
-        }
-        if !right_free {
-            self.residual_slope -= (right_off * right.slope) >> 15;
-            left.residual -= (right_off * shared) >> 15;
-        }
-        if left_free && right_free {
-            let common = part(shared, left.own);
-            right.own = (right.own - ((common * shared) >> 15)).max(1 << 26);
-            right.residual -= (common * left.residual) >> 15;
-            right.slope -= (common * left.slope) >> 15;
-        }
-        for level in [left_free.then_some(left), right_free.then_some(right)].into_iter().flatten() {
+        let common = part(shared, left.own);
+        right.own = (right.own - ((common * shared) >> 15)).max(1 << 26);
+        right.residual -= (common * left.residual) >> 15;
+        right.slope -= (common * left.slope) >> 15;
+        for level in [left, right] {
             self.slope_slope -= (part(level.slope, level.own) * level.slope) >> 15;
             self.residual_slope -= (part(level.slope, level.own) * level.residual) >> 15;
             self.residual_residual -= (part(level.residual, level.own) * level.residual) >> 15;
         }
-        let shift = part(self.residual_slope, self.slope_slope);
-        let change = |level: &Level| part(level.residual - ((shift * level.slope) >> 15), level.own);
-        let right_change = if right_free { change(&right) } else { 0 };
-        left.residual -= (right_change * shared) >> 15;
-        let left_change = if left_free { change(&left) } else { 0 };
-        [left_change, right_change]
+        if !self.shows_edge() {
+            return None;
+        }
+        let shift = part(self.residual_slope, self.slope_slope).clamp(-(1 << 24), 1 << 24);
+        let [left_rest, right_rest] = [left, right].map(|level| level.residual - ((shift * level.slope) >> 15));
+        let right_change = part(right_rest, right.own);
+        Some([part(left_rest - ((right_change * shared) >> 15), left.own), right_change])
     }
 }
 

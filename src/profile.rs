@@ -50,11 +50,14 @@ const MOST_BLUR_Q8: u16 = 12 << 8;
 const LONG_BLUR_Q8: u16 = 4 << 8;
 /// Of [`Profile::settled`].
 const MOST_STEPS: usize = 6;
+/// Of [`Profile::locate`].
+const MOST_CORRECTIONS: usize = 3;
 
 /// Least contrast in 1/256 grey level.
 const LEAST_CONTRAST_Q8: i32 = 4 << 8;
-/// Root of the number of rows in which texture errs alike.
-const LIKE_ROWS: u32 = 3;
+/// Rows that tell of texture, at first and beyond doubt.
+const FEW_RESTLESS_ROWS: u16 = 4;
+const MANY_RESTLESS_ROWS: u16 = 12;
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
@@ -130,7 +133,8 @@ impl Profile {
         Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
 
-    /// The edge near the expected column, and a better profile; `None` where the row shows something else.
+    /// The edge near the expected column, and a better profile; `None` where the row shows something else. What is found must
+    /// not depend on what was expected, or a line would go on where it once went astray: steps until the last one is small.
     pub(crate) fn locate(
         &mut self,
         pixels: &[u8],
@@ -141,12 +145,15 @@ impl Profile {
         let expected = i32::try_from(expected_q16).ok()?;
         let mut fit = self.fit(pixels, expected, around)?;
         let blur_q16 = i64::from(self.blur_q12) << 4;
-        // One step is exact only near the expected column.
-        if fit.shift_q16.abs() > blur_q16 / 4 {
-            let nearer = expected_q16 + fit.shift_q16.clamp(-blur_q16, blur_q16);
-            fit = self.fit(pixels, i32::try_from(nearer).ok()?, around)?;
-            fit.shift_q16 += nearer - expected_q16;
+        let mut from_q16 = expected_q16;
+        for _ in 0..MOST_CORRECTIONS {
+            if fit.shift_q16.abs() <= blur_q16 / 8 {
+                break;
+            }
+            from_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
+            fit = self.fit(pixels, i32::try_from(from_q16).ok()?, around)?;
         }
+        fit.shift_q16 += from_q16 - expected_q16;
         let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4)
             && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
         if !fits {
@@ -158,7 +165,7 @@ impl Profile {
         self.learn(&fit);
         Some(ScannedEdge {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
-            sigma_q16: u32::try_from(fit.sigma_q16 * i64::from(self.like_rows())).ok()?.max(1),
+            sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
             width_q8,
             contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
         })
@@ -183,11 +190,11 @@ impl Profile {
         if left_q8 != 0 || right_q8 != 0 {
             sums = look.sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
         }
-        let restless = self.unrest_q8.map(|unrest| self.is_restless(unrest));
-        if restless != [false; 2] {
-            // Beside texture no plateau tells the level at the edge: the edge's own pixels do.
+        if self.is_restless() {
+            // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
+            // plateau, an error of the width would shift the edge.
             let of_levels = look.level_sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
-            let [left_change, right_change] = sums.free_levels(of_levels, restless);
+            let [left_change, right_change] = sums.free_levels(of_levels)?;
             (left_q8, right_q8) = (left_q8 + left_change, right_q8 + right_change);
         }
         let contrast = usual + right_q8 - left_q8;
@@ -195,8 +202,7 @@ impl Profile {
         if contrast * usual.signum() * 3 < usual.abs() * 2 || contrast.abs() > 2 * usual.abs() {
             return None;
         }
-        // Both flanks must be in view.
-        if sums.pixels < 3 || sums.slope_slope < 1 << 24 {
+        if !sums.shows_edge() {
             return None;
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
@@ -227,11 +233,7 @@ impl Profile {
         let half_q8 = (sums.slope << 7).checked_div(slope_slope)?;
         let of_levels_q16: i64 = sums.plateau_pixels.iter().map(|pixels| half_q8 * half_q8 / pixels.max(&1)).sum();
         let variance_q16 = (i64::from(self.noise_q16) * (of_flank_q16 + of_levels_q16)) >> 16;
-        // Beside texture, no plateau tells the level at the edge.
-        let restless =
-            self.unrest_q8.iter().filter(|unrest| self.is_restless(**unrest)).map(|unrest| i64::from(*unrest));
-        let of_texture_q8 = (restless.sum::<i64>() * half_q8) >> 10;
-        let grey_q8 = root(variance_q16 + of_texture_q8 * of_texture_q8);
+        let grey_q8 = root(variance_q16);
         Some((per_grey * grey_q8) >> 8)
     }
 
@@ -242,20 +244,29 @@ impl Profile {
         let ([left, right], [left_unrest, right_unrest]) = (off_q16, self.unrest_q8);
         // Three sigma of a mean over four pixels.
         let of = |off_q16: i64, unrest_q8| {
-            let departs = self.is_restless(unrest_q8) || off_q16.abs() > noise_q16 * 3 / 2;
+            let departs = self.is_unrest(unrest_q8) || off_q16.abs() > noise_q16 * 3 / 2;
             if departs { off_q16 >> 8 } else { 0 }
         };
         [of(left, left_unrest), of(right, right_unrest)]
     }
 
-    /// How many times larger than a row's own noise its sigma is stated, for what it has in common with the rows around it.
-    pub(crate) const fn like_rows(&self) -> u32 {
-        let restless = self.restless_rows >= 4 && self.restless_rows > self.rows / 4;
-        if restless { LIKE_ROWS } else { 1 }
+    /// Whether many of the rows have texture beside the edge.
+    pub(crate) const fn is_beside_texture(&self) -> bool {
+        self.restless_rows >= FEW_RESTLESS_ROWS && self.restless_rows > self.rows / 4
     }
 
-    /// Whether the rows' own levels change by more than noise explains: 0.4 sigma for a mean over four pixels.
-    fn is_restless(&self, unrest_q8: u16) -> bool {
+    /// Whether that is so beyond doubt.
+    pub(crate) const fn is_surely_beside_texture(&self) -> bool {
+        self.restless_rows >= MANY_RESTLESS_ROWS && self.is_beside_texture()
+    }
+
+    /// Whether one of the rows' own levels has changed lately by more than noise explains.
+    fn is_restless(&self) -> bool {
+        self.unrest_q8.iter().any(|unrest| self.is_unrest(*unrest))
+    }
+
+    /// 0.4 sigma for a mean over four pixels is noise.
+    fn is_unrest(&self, unrest_q8: u16) -> bool {
         u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
     }
 
@@ -269,8 +280,7 @@ impl Profile {
             *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
             add(mean_q16, off_q16, rows.min(32));
         }
-        let restless = self.unrest_q8.iter().any(|unrest| self.is_restless(*unrest));
-        self.restless_rows = self.restless_rows.saturating_add(u16::from(restless));
+        self.restless_rows = self.restless_rows.saturating_add(u16::from(self.is_restless()));
         self.widen(fit.template_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));

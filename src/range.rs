@@ -130,7 +130,7 @@ impl<S: Scalar> Range<S> {
         self.estimate = fitted.estimate;
         self.edges_used = line.edges_in(fitted.kept.iter().copied());
         self.status = status_of(setup, line, &fitted.estimate);
-        if self.status == RangeStatus::Ok && is_fragment(self, line) {
+        if self.status == RangeStatus::Ok && is_fragment(setup, self, line) {
             self.status = RangeStatus::Bent;
         }
     }
@@ -198,14 +198,16 @@ fn status_of<S: Scalar, const KNOTS: usize>(
     if line.edges() < setup.limits().min_edges { RangeStatus::Short } else { estimate.status() }
 }
 
-/// A short line of pixels that fits badly or has gaps is a piece of something else: only a long one can be straight beside a
-/// restless background. Edges of unknown width are somebody's own, with a noise that may be understated.
-fn is_fragment<S: Scalar, const KNOTS: usize>(range: &Range<S>, line: &Line<KNOTS>) -> bool {
-    const LONG_EDGES: u16 = 96;
+/// A line of pixels that fits badly and has gaps is a piece of something else, or of several; a short one if it fits badly, has gaps,
+/// or is seen in a crowd: only a long one can be straight beside a restless background. Edges of unknown width are somebody's own,
+/// with a noise that may be understated.
+fn is_fragment<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Range<S>, line: &Line<KNOTS>) -> bool {
     let of_pixels = line.last().width_q8 > 0;
+    let is_short = range.edges < setup.readout().rows() / 5;
     let rows = u32::from(range.last_row.abs_diff(range.first_row)) + 1;
     let has_gaps = u32::from(range.edges) * 4 < rows * 3;
-    of_pixels && range.edges < LONG_EDGES && (line.is_crowded() || has_gaps || range.estimate.misfit > S::ratio(3, 2))
+    let fits_badly = range.estimate.misfit > S::ratio(3, 2);
+    of_pixels && (has_gaps && fits_badly || is_short && (line.is_crowded() || has_gaps || fits_badly))
 }
 
 /// What the blur of a line's pixels says, where the exposure is known.

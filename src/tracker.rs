@@ -92,7 +92,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
         }
         self.count_missed(limits, row);
-        self.resume_hidden(limits, row);
+        self.join_pieces(limits, row);
     }
 
     /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
@@ -100,7 +100,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     pub(crate) fn count_crowds(&mut self, edges: &[Edge]) {
         for place in &self.under_way {
             if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
-                if edges.len() > MOST_EDGES_APART || track.is_beside_texture() {
+                let beside_texture = track.profile.is_some_and(|profile| profile.is_beside_texture());
+                if edges.len() > MOST_EDGES_APART || beside_texture {
                     track.line.count_crowded_row();
                 }
             }
@@ -300,11 +301,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// A young line may be one that was hidden: that goes on with it.
-    fn resume_hidden(&mut self, limits: &Limits, row: u16) {
+    /// A young line may be a piece of an older one: that goes on with it.
+    fn join_pieces(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
-            if self.resume(limits, row, place).is_some() && index < self.under_way.len() {
+            if self.join_piece(limits, row, place).is_some() && index < self.under_way.len() {
                 self.under_way.swap_remove(index);
             } else {
                 index += 1;
@@ -312,17 +313,17 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    fn resume(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
+    fn join_piece(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
         let slot = usize::from(place);
         let young = self.tracks.get(slot)?.as_ref().filter(|young| young.is_young() && young.line.last().row == row)?;
-        let hidden = self.under_way.iter().filter_map(|other| {
-            let hidden = self.tracks.get(usize::from(*other))?.as_ref()?;
-            Some((hidden.resumed_by(young, limits)?, *other))
+        let others = self.under_way.iter().filter(|other| **other != place).filter_map(|other| {
+            let older = self.tracks.get(usize::from(*other))?.as_ref()?;
+            Some((older.continued_by(young, limits)?, *other))
         });
-        let (_, nearest) = hidden.min()?;
+        let (_, nearest) = others.min()?;
         let young = self.tracks.get_mut(slot)?.take()?;
-        let resumed = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.resume(&young);
-        if !resumed {
+        let joined = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.go_on_as(&young);
+        if !joined {
             *self.tracks.get_mut(slot)? = Some(young);
             return None;
         }
