@@ -105,7 +105,7 @@ pub(crate) struct Sums {
     shape_step: i64,
     widening_shape: i64,
     pub(crate) plateau_pixels: [i64; 2],
-    /// The row's own levels minus the expected ones.
+    /// The row's own levels minus the expected ones: those of the plateaus, until others are found.
     pub(crate) off_q16: [i64; 2],
 }
 
@@ -134,17 +134,17 @@ impl Sums {
         self.pixels >= 3 && self.slope_slope >= 1 << 24
     }
 
-    /// Product of the residual with the slope, had the row's own levels been expected: of the slope's sum half belongs to
+    /// Product of the residual with the slope, had the levels that the plateaus show been expected: of the slope's sum half belongs to
     /// either level.
     ///
     /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
     /// and each row for itself knows neither lag nor drift, and no bad start.
-    pub(crate) fn residual_slope(&self) -> i64 {
+    pub(crate) fn residual_slope_of_plateaus(&self) -> i64 {
         let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
         self.residual_slope - (left_q8 + right_q8) * self.slope / 2
     }
 
-    /// Products of the widening with the residual (likewise; it changes sign in the middle) and with itself; and the same
+    /// Products of the widening with the residual, had the row's own levels been expected (it changes sign in the middle), and with itself; and the same
     /// without what another lens would explain, which is less biased and noisier.
     pub(crate) fn widening(&self) -> [(i64, i64); 2] {
         let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
@@ -194,12 +194,10 @@ impl LevelSums {
 
 impl Sums {
     /// Leaves it to the edge's own pixels to tell the levels: takes out of the sums what the levels explain, by
-    /// orthogonalisation, and returns what they are above the expected ones. From then on no level is off. `None` where too little of
-    /// the edge is in view.
-    pub(crate) fn free_levels(&mut self, of_levels: LevelSums) -> Option<[i64; 2]> {
+    /// orthogonalisation, and finds what they are off. `None` where too little of the edge is in view.
+    pub(crate) fn free_levels(&mut self, of_levels: LevelSums) -> Option<()> {
         let LevelSums { left, mut right, shared } = of_levels;
         let part = |of: i64, own: i64| (of << 15) / own.max(1);
-        self.off_q16 = [0; 2];
         let common = part(shared, left.own);
         right.own = (right.own - ((common * shared) >> 15)).max(1 << 26);
         right.residual -= (common * left.residual) >> 15;
@@ -215,7 +213,9 @@ impl Sums {
         let shift = part(self.residual_slope, self.slope_slope).clamp(-(1 << 24), 1 << 24);
         let [left_rest, right_rest] = [left, right].map(|level| level.residual - ((shift * level.slope) >> 15));
         let right_change = part(right_rest, right.own);
-        Some([part(left_rest - ((right_change * shared) >> 15), left.own), right_change])
+        let left_change = part(left_rest - ((right_change * shared) >> 15), left.own);
+        self.off_q16 = [left_change << 8, right_change << 8];
+        Some(())
     }
 }
 

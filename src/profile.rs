@@ -183,20 +183,22 @@ impl Profile {
             return None;
         }
         let look = Look::new(pixels, expected, &template, around)?;
-        let (usual, [left_mean_q8, right_mean_q8]) = (i64::from(self.contrast_q8()), self.levels_q8());
-        let mut sums = look.sums(&template, [left_mean_q8, right_mean_q8]);
+        let (usual, means_q8) = (i64::from(self.contrast_q8()), self.levels_q8());
+        let mut sums = look.sums(&template, means_q8);
         let off_q16 = sums.off_q16;
-        let [mut left_q8, mut right_q8] = self.departure(off_q16);
-        if left_q8 != 0 || right_q8 != 0 {
-            sums = look.sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
-        }
-        if self.is_restless() {
+        let ([left_q8, right_q8], residual_slope) = if self.is_restless() {
             // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
             // plateau, an error of the width would shift the edge.
-            let of_levels = look.level_sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
-            let [left_change, right_change] = sums.free_levels(of_levels)?;
-            (left_q8, right_q8) = (left_q8 + left_change, right_q8 + right_change);
-        }
+            sums.free_levels(look.level_sums(&template, means_q8))?;
+            (sums.off_q16.map(|off_q16| off_q16 >> 8), sums.residual_slope)
+        } else {
+            let [left_q8, right_q8] = self.departure(off_q16);
+            if left_q8 != 0 || right_q8 != 0 {
+                let [left_mean_q8, right_mean_q8] = means_q8;
+                sums = look.sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+            }
+            ([left_q8, right_q8], sums.residual_slope_of_plateaus())
+        };
         let contrast = usual + right_q8 - left_q8;
         // The same kind of edge: not so much weaker that it would only add noise, and at most twice as strong.
         if contrast * usual.signum() * 3 < usual.abs() * 2 || contrast.abs() > 2 * usual.abs() {
@@ -206,7 +208,6 @@ impl Profile {
             return None;
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
-        let residual_slope = sums.residual_slope();
         let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
         let wider_q12 = |(residual, square): (i64, i64)| -> Option<i64> {
             let off_q12 = 16 * i64::from(template.per_widening_q8) * residual;
@@ -240,14 +241,9 @@ impl Profile {
     /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
     /// another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
     fn departure(&self, off_q16: [i64; 2]) -> [i64; 2] {
-        let noise_q16 = i64::from(self.noise_q16.isqrt()) << 8;
-        let ([left, right], [left_unrest, right_unrest]) = (off_q16, self.unrest_q8);
-        // Three sigma of a mean over four pixels.
-        let of = |off_q16: i64, unrest_q8| {
-            let departs = self.is_unrest(unrest_q8) || off_q16.abs() > noise_q16 * 3 / 2;
-            if departs { off_q16 >> 8 } else { 0 }
-        };
-        [of(left, left_unrest), of(right, right_unrest)]
+        // Three sigma of a mean over four pixels: squares, in 1/2³² square grey level.
+        let most_q32 = (i64::from(self.noise_q16) << 16) * 9 / 4;
+        off_q16.map(|off_q16| if off_q16 * off_q16 > most_q32 { off_q16 >> 8 } else { 0 })
     }
 
     /// Whether many of the rows have texture beside the edge.

@@ -114,14 +114,10 @@ impl Scanner {
     /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly
     /// disturb: an upright edge is in the same place row after row.
     fn learn(&mut self, pixels: &[u8]) {
-        // Some eight pairs a row are plenty, others in each row.
-        let every_log2 = if self.rows == 0 { 0 } else { (pixels.len() / (16 * BLOCK)).max(2).ilog2() };
-        let mask = (1_usize << every_log2) - 1;
-        let first = self.rows as usize & mask;
-        let pairs = || {
-            let chosen = move |(index, _): &(usize, _)| index & mask == first;
-            pixels.chunks_exact(2 * BLOCK).enumerate().filter(chosen).map(|(_, pair)| pair)
-        };
+        // Some four pairs a row are plenty, others in each row.
+        let every = if self.rows == 0 { 1 } else { (pixels.len() / (8 * BLOCK)).max(2) };
+        let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
+        let pairs = || pixels.chunks_exact(2 * BLOCK).skip(first).step_by(every);
         if self.rows == 0 {
             self.second_q8 = usual_size(|| pairs().map(second_difference));
             self.difference_q8 = usual_size(|| pairs().map(sliding_difference));

@@ -86,10 +86,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// be left out, rows without edges should be given, since lines end by missing rows.
     pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
         self.occupied = 0;
-        let mut predictions = Vec::new();
-        self.predict(limits, row, &mut predictions);
-        for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
-            self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
+        if !edges.is_empty() {
+            let mut predictions = Vec::new();
+            self.predict(limits, row, &mut predictions);
+            for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
+                self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
+            }
         }
         self.count_missed(limits, row);
         self.join_pieces(limits, row);
