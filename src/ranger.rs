@@ -116,7 +116,7 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
             }
         });
         tracker.refine(setup.limits(), at, pixels, edges);
-        tracker.count_crowds(edges);
+        tracker.count_crowds(edges, self.scanner.is_restless());
         sharpen(edges, pixels, self.scanner.noise_q8());
         tracker.row(setup.limits(), row, edges);
         tracker.learn(row, pixels, self.scanner.noise_q8());

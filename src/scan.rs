@@ -74,6 +74,7 @@ pub struct Scanner {
 }
 
 const BLOCK: usize = 16;
+const PAIR: usize = 2 * BLOCK;
 /// Blocks that are looked at together.
 const GROUP: usize = 32;
 /// Half the width of the sliding difference.
@@ -104,11 +105,20 @@ impl Scanner {
     pub fn scan(&mut self, pixels: &[u8], mut found: impl FnMut(ScannedEdge)) {
         self.learn(pixels);
         let noise_q8 = self.noise_q8();
-        // The difference sums 8 pixels: it is not taken to be quieter than their noise.
-        let difference = sigma_of(self.difference_q8).max(noise_q8 * 181 / 64).max(LEAST_DIFFERENCE << 6);
+        let difference = sigma_of(self.difference_q8).max(self.difference_of_noise_q8()).max(LEAST_DIFFERENCE << 6);
         let least = (4 * difference) >> 8;
         // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding difference.
         coarse(pixels, 2 * least, |from, to| fine(pixels, from, to, least as i32, noise_q8, &mut found));
+    }
+
+    /// Whether what is usual in these rows is more than noise.
+    pub(crate) fn is_restless(&self) -> bool {
+        sigma_of(self.difference_q8) > 2 * self.difference_of_noise_q8()
+    }
+
+    /// One sigma of a sliding difference, which sums eight pixels.
+    fn difference_of_noise_q8(&self) -> u32 {
+        self.noise_q8() * 181 / 64
     }
 
     /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly
@@ -117,7 +127,8 @@ impl Scanner {
         // Some four pairs a row are plenty, others in each row.
         let every = if self.rows == 0 { 1 } else { (pixels.len() / (8 * BLOCK)).max(2) };
         let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
-        let pairs = || pixels.chunks_exact(2 * BLOCK).skip(first).step_by(every);
+        let from_first = pixels.get(first * PAIR..).unwrap_or_default();
+        let pairs = || from_first.chunks((every * PAIR).max(PAIR)).filter_map(|pixels| pixels.get(..PAIR));
         if self.rows == 0 {
             self.second_q8 = usual_size(|| pairs().map(second_difference));
             self.difference_q8 = usual_size(|| pairs().map(sliding_difference));

@@ -99,11 +99,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
     /// to lie in line by chance.
-    pub(crate) fn count_crowds(&mut self, edges: &[Edge]) {
+    pub(crate) fn count_crowds(&mut self, edges: &[Edge], is_restless: bool) {
+        let is_crowded = is_restless || edges.len() > MOST_EDGES_APART;
         for place in &self.under_way {
             if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
                 let beside_texture = track.profile.is_some_and(|profile| profile.is_beside_texture());
-                if edges.len() > MOST_EDGES_APART || beside_texture {
+                if is_crowded || beside_texture {
                     track.line.count_crowded_row();
                 }
             }
