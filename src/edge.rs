@@ -35,8 +35,7 @@ pub struct Edge {
     pub sigma_q16: u32,
     /// Row in the image.
     pub row: u16,
-    /// Width of the edge (one sigma of its blur) in 1/256 px; zero where it was not measured. A line of edges with a width is judged
-    /// as one of pixels, which has an edge on nearly every row.
+    /// Width of the edge (one sigma of its blur) in 1/256 px; zero where it was not measured.
     pub width_q8: u16,
     /// Dark to bright or bright to dark.
     pub polarity: Polarity,

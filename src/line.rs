@@ -67,10 +67,13 @@ struct Knot {
     rows: u32,
     widths_q8: u32,
     edges: u16,
+    /// Number of edges whose width was measured.
+    widths: u16,
 }
 
 impl Knot {
-    const EMPTY: Self = Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, edges: 0 };
+    const EMPTY: Self =
+        Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, edges: 0, widths: 0 };
 
     fn of(edge: &Edge, first: &Edge) -> Self {
         // A sum of 65535 squares fits; a sigma of zero would be an infinite weight.
@@ -83,6 +86,7 @@ impl Knot {
             rows: u32::from(edge.row.abs_diff(first.row)),
             widths_q8: u32::from(edge.width_q8),
             edges: 1,
+            widths: u16::from(edge.width_q8 > 0),
         }
     }
 
@@ -94,6 +98,7 @@ impl Knot {
         self.rows = self.rows.saturating_add(other.rows);
         self.widths_q8 = self.widths_q8.saturating_add(other.widths_q8);
         self.edges = self.edges.saturating_add(other.edges);
+        self.widths = self.widths.saturating_add(other.widths);
     }
 }
 
@@ -127,6 +132,8 @@ pub struct Line<const KNOTS: usize> {
     edges: u16,
     /// Rows with several edges of no line, wherever they are, or with texture beside this one.
     crowded_rows: u16,
+    /// It was found in rows of pixels, where an edge is to be seen in nearly every row.
+    of_pixels: bool,
     /// Rows per knot: 2 to this power.
     span_log2: u8,
 }
@@ -138,7 +145,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
     #[must_use]
     pub fn new(first: Edge) -> Self {
         let () = Self::AT_LEAST_FOUR;
-        let mut line = Self { knots: Vec::new(), first, last: first, edges: 1, crowded_rows: 0, span_log2: 0 };
+        let mut line =
+            Self { knots: Vec::new(), first, last: first, edges: 1, crowded_rows: 0, of_pixels: false, span_log2: 0 };
         line.add(&Knot::of(&first, &first), 0);
         line
     }
@@ -200,6 +208,14 @@ impl<const KNOTS: usize> Line<KNOTS> {
         }
     }
 
+    pub(crate) fn mark_as_of_pixels(&mut self) {
+        self.of_pixels = true;
+    }
+
+    pub(crate) const fn is_of_pixels(&self) -> bool {
+        self.of_pixels
+    }
+
     pub(crate) fn count_crowded_row(&mut self) {
         self.crowded_rows = self.crowded_rows.saturating_add(1);
     }
@@ -227,12 +243,12 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.edges
     }
 
-    /// Mean width of the edges (one sigma of blur) in pixels; `None` where none was measured. The first knot, in which the
+    /// Mean of the measured widths of the edges (one sigma of blur) in pixels; `None` unless most were measured. The first knot, in which the
     /// width settles, counts only where there is no other.
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
         let sum = self.settled();
-        (sum.widths_q8 > 0).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.edges) << 8))
+        (sum.widths > sum.edges / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
     }
 
     /// One standard deviation of the mean width: each width has one to two times the noise of its column, the more the less

@@ -14,6 +14,11 @@ impl Neighbours {
     /// None near enough to matter.
     pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
 
+    /// Whether one of them is.
+    pub(crate) const fn is_nearer_than(&self, distance_q16: i64, column_q16: i64) -> bool {
+        column_q16 - self.left_q16 < distance_q16 || self.right_q16 - column_q16 < distance_q16
+    }
+
     /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
     /// noise breaks a long blur.
     pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {

@@ -199,15 +199,13 @@ fn status_of<S: Scalar, const KNOTS: usize>(
 }
 
 /// A line of pixels that fits badly and has gaps is a piece of something else, or of several; a short one if it fits badly, has gaps,
-/// or is seen in a crowd: only a long one can be straight beside a restless background. Edges of unknown width are somebody's own,
-/// with a noise that may be understated.
+/// or is seen in a crowd: only a long one can be straight beside a restless background.
 fn is_fragment<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Range<S>, line: &Line<KNOTS>) -> bool {
-    let of_pixels = line.last().width_q8 > 0;
     let is_short = range.edges < setup.readout().rows() / 5;
     let rows = u32::from(range.last_row.abs_diff(range.first_row)) + 1;
     let has_gaps = u32::from(range.edges) * 4 < rows * 3;
     let fits_badly = range.estimate.misfit > S::ratio(3, 2);
-    of_pixels && (has_gaps && fits_badly || is_short && (line.is_crowded() || has_gaps || fits_badly))
+    line.is_of_pixels() && (has_gaps && fits_badly || is_short && (line.is_crowded() || has_gaps || fits_badly))
 }
 
 /// What the blur of a line's pixels says, where the exposure is known.

@@ -240,16 +240,19 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     }
 }
 
-/// Locates the edges that no line explains as well as their row alone allows.
+/// Locates the edges that no line explains as well as their row alone allows. Two that are so near to each other that the scanner
+/// sees one through the other keep their places, but how wide they are is not known.
 fn sharpen(edges: &mut [Edge], pixels: &[u8], noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = edges.iter_mut().peekable();
     while let Some(edge) = rest.next() {
         let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| i64::from(next.column_q16));
-        let around = Neighbours { left_q16, right_q16 };
-        left_q16 = i64::from(edge.column_q16);
-        if let Some(sharper) = Profile::sharpen(pixels, edge, around, noise_q8) {
-            *edge = sharper;
+        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, i64::from(edge.column_q16));
+        left_q16 = column_q16;
+        match Profile::sharpen(pixels, edge, around, noise_q8) {
+            Some(sharper) => *edge = sharper,
+            None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => edge.width_q8 = 0,
+            None => {}
         }
     }
 }

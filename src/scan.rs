@@ -87,6 +87,9 @@ const LEAST_NOISE_Q8: u32 = 74;
 const LEAST_DIFFERENCE: u32 = 24;
 
 impl Scanner {
+    /// Edges that are so far apart do not share windows.
+    pub(crate) const SEES_ALONE_Q16: i64 = (2 * WINDOW as i64) << 16;
+
     /// A scanner that has seen nothing yet.
     #[must_use]
     pub const fn new() -> Self {

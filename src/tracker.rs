@@ -170,6 +170,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let profile = Profile::settled(pixels, &edge, around, noise_q8);
                 if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
                     track.profile = profile;
+                    track.line.mark_as_of_pixels();
                 }
             }
         }
