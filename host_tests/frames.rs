@@ -11,14 +11,14 @@ use crate::scenes::{TENTH_DEGREE, tilt_of};
 const COLUMNS: u16 = 320;
 const ROWS: u16 = 240;
 
-const TOP: ReadoutDirection = ReadoutDirection::TopToBottom;
+pub(crate) const TOP: ReadoutDirection = ReadoutDirection::TopToBottom;
 
-type Frame = Vec<Vec<u8>>;
+pub(crate) type Frame = Vec<Vec<u8>>;
 /// As it fits on a small board.
-type SmallRanger = Ranger<16, 10, 32>;
+pub(crate) type SmallRanger = Ranger<16, 10, 32>;
 
 /// A QVGA camera, 300 px of focal length and 1/30 s of readout, that moves to the right.
-fn moving(speed_m_s: f64) -> projection::Scene {
+pub(crate) fn moving(speed_m_s: f64) -> projection::Scene {
     projection::Scene {
         columns: COLUMNS,
         rows: ROWS,
@@ -39,7 +39,7 @@ fn scene_of<const N: usize>(background: f32, objects: [Object; N]) -> Scene<N> {
 }
 
 /// The frame, and its bars' edges from left to right.
-fn render<const N: usize>(
+pub(crate) fn render<const N: usize>(
     scene: &Scene<N>,
     world: &projection::Scene,
     direction: ReadoutDirection,
@@ -60,8 +60,8 @@ fn render<const N: usize>(
 }
 
 /// Feeds a frame in the order of its readout and takes the ranges, from left to right.
-fn ranges_of<S: Scalar>(
-    ranger: &mut SmallRanger,
+pub(crate) fn ranges_of<S: Scalar, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
+    ranger: &mut Ranger<LINES, KNOTS, EDGES>,
     setup: &Setup<S>,
     world: &projection::Scene,
     frame: &Frame,
@@ -92,7 +92,7 @@ fn look<const N: usize>(
 }
 
 /// Error of the inverse depth: relative, and in units of the stated sigma.
-fn errors<S: Scalar>(range: &Range<S>, truth: &Truth) -> (f64, f64) {
+pub(crate) fn errors<S: Scalar>(range: &Range<S>, truth: &Truth) -> (f64, f64) {
     let estimate = &range.estimate;
     let off = estimate.inverse_depth_per_m.to_f64() - 1.0 / truth.depth_m;
     (off * truth.depth_m, off / estimate.sigma_inverse_depth_per_m.to_f64())
@@ -213,14 +213,21 @@ fn bearings() {
     }
 }
 
-/// The sides of so thin a rod shift each other outwards by up to a pixel, row after row alike.
+/// The sides of so thin a rod shift each other outwards by up to a pixel, row after row alike, and hide each other's width: a known
+/// exposure must not hold that against them.
 #[test]
 fn a_rod_three_pixels_wide() {
-    for seed in 1..11 {
-        let bar = Bar::upright(0.02 * seed as f32 - 0.1, 2.0, 0.02, 60.0);
-        let (found, truths) = look(&scene_of(180.0, [bar.into()]), &moving(1.5), Exposure::default(), seed);
-        assert_found(&format!("seed {seed}"), &found, &truths, 0.03);
-        assert_eq!([found[0].polarity, found[1].polarity], [Polarity::Falling, Polarity::Rising]);
+    let (world, exposure) = (moving(1.5), Exposure::default());
+    let blur = MotionBlur::of_lens(exposure.time_s, exposure.psf_sigma_px);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    for setup in [setup, setup.with_motion_blur(blur).expect("sound blur")] {
+        for seed in 1..11 {
+            let bar = Bar::upright(0.02 * seed as f32 - 0.1, 2.0, 0.02, 60.0);
+            let (frame, truths) = render(&scene_of(180.0, [bar.into()]), &world, TOP, exposure, seed);
+            let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
+            assert_found(&format!("{:?}, seed {seed}", setup.motion_blur()), &found, &truths, 0.03);
+            assert_eq!([found[0].polarity, found[1].polarity], [Polarity::Falling, Polarity::Rising]);
+        }
     }
 }
 
@@ -373,7 +380,7 @@ fn texture_is_no_bar() {
     for one in &taken {
         println!("{one:?}");
     }
-    assert!(taken.len() <= 4, "in 40 frames: {taken:#?}");
+    assert!(taken.len() <= 1, "in 40 frames: {taken:#?}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod back_ends;
 mod bad_input;
 mod blur;
 mod camera;
+mod clutter;
 mod coverage;
 mod endpoints;
 mod frames;

@@ -1,0 +1,72 @@
+//! Posts in front of a texture and of leaning bars that cross behind them: no line is led astray.
+
+use rand::rngs::StdRng;
+use rand::{Rng, SeedableRng};
+use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture, Truth};
+use shutter_range::{MotionBlur, Range, RangeStatus, Ranger, Uncertainty};
+
+use crate::frames::{TOP, errors, moving, ranges_of, render};
+
+const FRAMES: u64 = 40;
+const POST_M: f32 = 1.2;
+const LEANING_BARS: usize = 8;
+
+/// A post 1.2 m away, leaning bars of any brightness at 2 to 5 m, and a wall at infinity.
+fn scene(random: &mut StdRng) -> Scene<9> {
+    let texture = Texture { contrast: 15.0, cell: 0.03, seed: random.random() };
+    let mut scene = Scene::new(Background::textured(170.0, texture)).expect("sound background");
+    for _ in 0..LEANING_BARS {
+        let lean = random.random_range(0.15..2.0_f32) * if random.random() { 1.0 } else { -1.0 };
+        let (bearing, depth_m) = (random.random_range(-0.5..0.5), random.random_range(2.0..5.0));
+        let bar = Bar::upright(bearing, depth_m, random.random_range(0.05..0.15), random.random_range(60.0..230.0));
+        scene.push(bar.leaning(lean)).expect("a sound bar");
+    }
+    let post = Bar::upright(random.random_range(-0.3..0.3), POST_M, 0.12, 60.0);
+    scene.push(post).expect("a sound bar");
+    scene
+}
+
+/// The range of an edge, the longest if there are several.
+fn range_of<'a>(found: &'a [Range<f32>], truth: &Truth) -> Option<&'a Range<f32>> {
+    let of_edge = |range: &&Range<f32>| {
+        let near = (f64::from(range.estimate.bearing) - f64::from(truth.bearing)).abs() < 0.02;
+        near && range.status == RangeStatus::Ok && range.polarity == truth.polarity
+    };
+    found.iter().filter(of_edge).max_by_key(|range| range.edges)
+}
+
+/// Every edge of the post is found, with an honest sigma, and nothing else.
+#[test]
+fn crossing_bars_lead_no_line_astray() {
+    let mut random = StdRng::seed_from_u64(1);
+    let exposure = Exposure { time_s: 0.004, ..Exposure::default() };
+    let world = moving(1.5);
+    let blur = MotionBlur::of_lens(exposure.time_s, exposure.psf_sigma_px);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP).with_motion_blur(blur).expect("sound blur");
+    let (mut normal, mut relative, mut missed, mut wrong) = (Vec::new(), Vec::new(), 0, 0);
+    for seed in 0..FRAMES {
+        let (frame, truths) = render(&scene(&mut random), &world, TOP, exposure, seed);
+        let truths: Vec<_> = truths.into_iter().filter(|truth| truth.depth_m == f64::from(POST_M)).collect();
+        let mut ranger: Ranger<64, 16, 64> = Ranger::new();
+        let found = ranges_of(&mut ranger, &setup, &world, &frame);
+        for truth in &truths {
+            match range_of(&found, truth).map(|range| errors(range, truth)) {
+                Some((off, sigmas)) => {
+                    relative.push(off);
+                    normal.push(sigmas);
+                }
+                None => missed += 1,
+            }
+        }
+        let is_of_post = |range: &Range<f32>| {
+            truths.iter().any(|truth| (f64::from(range.estimate.bearing) - f64::from(truth.bearing)).abs() < 0.02)
+        };
+        wrong += found.iter().filter(|range| range.status == RangeStatus::Ok && !is_of_post(range)).count();
+    }
+    let rms = (relative.iter().map(|off| off * off).sum::<f64>() / relative.len() as f64).sqrt();
+    let inside = normal.iter().filter(|sigmas| sigmas.abs() < 2.0).count();
+    assert!(missed == 0, "{missed} of {}", normal.len() + missed);
+    assert!(inside * 100 >= normal.len() * 91, "{inside} of {} inside two sigma", normal.len());
+    assert!(rms < 0.01, "{rms}");
+    assert!(wrong <= 1, "{wrong} in {FRAMES} frames");
+}
