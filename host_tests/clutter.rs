@@ -29,7 +29,7 @@ fn scene(random: &mut StdRng) -> Scene<9> {
 /// The range of an edge, the longest if there are several.
 fn range_of<'a>(found: &'a [Range<f32>], truth: &Truth) -> Option<&'a Range<f32>> {
     let of_edge = |range: &&Range<f32>| {
-        let near = (f64::from(range.estimate.bearing) - f64::from(truth.bearing)).abs() < 0.02;
+        let near = (f64::from(range.estimate.bearing) - truth.bearing).abs() < 0.02;
         near && range.status == RangeStatus::Ok && range.polarity == truth.polarity
     };
     found.iter().filter(of_edge).max_by_key(|range| range.edges)
@@ -59,7 +59,7 @@ fn crossing_bars_lead_no_line_astray() {
             }
         }
         let is_of_post = |range: &Range<f32>| {
-            truths.iter().any(|truth| (f64::from(range.estimate.bearing) - f64::from(truth.bearing)).abs() < 0.02)
+            truths.iter().any(|truth| (f64::from(range.estimate.bearing) - truth.bearing).abs() < 0.02)
         };
         wrong += found.iter().filter(|range| range.status == RangeStatus::Ok && !is_of_post(range)).count();
     }
