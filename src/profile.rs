@@ -6,7 +6,7 @@
 
 use crate::look::{Look, Neighbours, Side, Sums, plateau};
 use crate::template::Template;
-use crate::{Edge, Polarity, ScannedEdge};
+use crate::{Edge, Polarity, ScannedEdge, Scanner};
 
 /// Levels, blur and noise of a tracked edge, running means over its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +50,9 @@ const MOST_BLUR_Q8: u16 = 12 << 8;
 const LONG_BLUR_Q8: u16 = 4 << 8;
 /// Of [`Profile::settled`].
 const MOST_STEPS: usize = 6;
+/// How far the scanner may draw an edge away from a neighbour, and how near they may be for their profiles to be told apart.
+const MOST_DRAWN_Q16: i64 = 5 << 14;
+const LEAST_APART_Q16: i64 = 5 << 16;
 /// Of [`Profile::locate`].
 const MOST_CORRECTIONS: usize = 3;
 
@@ -128,7 +131,13 @@ impl Profile {
     pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
         let learn = if edge.width_q8 > LONG_BLUR_Q8 { Self::settled } else { Self::new };
         let mut profile = learn(pixels, edge, around, noise_q8)?;
-        let found = profile.locate(pixels, i64::from(edge.column_q16), i64::from(u16::MAX), around)?;
+        let column_q16 = i64::from(edge.column_q16);
+        let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
+        let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
+        let found = profile.locate(pixels, column_q16, (i64::from(u16::MAX), drawn_q16), around)?;
+        if is_drawn && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
+            return None;
+        }
         let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
         Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
@@ -139,7 +148,7 @@ impl Profile {
         &mut self,
         pixels: &[u8],
         expected_q16: i64,
-        gate_q16: i64,
+        (gate_q16, drawn_q16): (i64, i64),
         around: Neighbours,
     ) -> Option<ScannedEdge> {
         let expected = i32::try_from(expected_q16).ok()?;
@@ -154,7 +163,7 @@ impl Profile {
             fit = self.fit(pixels, i32::try_from(from_q16).ok()?, around)?;
         }
         fit.shift_q16 += from_q16 - expected_q16;
-        let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4)
+        let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4 + drawn_q16)
             && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
         if !fits {
             return None;

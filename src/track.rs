@@ -195,7 +195,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: Neighbours,
     ) -> Option<Edge> {
         let profile = self.profile.as_mut()?;
-        let mut found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, around)?;
+        let mut found = profile.locate(pixels, prediction.column_q16, (prediction.gate_q16, 0), around)?;
         if profile.is_surely_beside_texture() && !self.is_beside_texture {
             // What holds from now on held for the rows before as well.
             self.is_beside_texture = true;
