@@ -53,6 +53,7 @@ const MOST_STEPS: usize = 6;
 /// How far the scanner may draw an edge away from a neighbour, and how near they may be for their profiles to be told apart.
 const MOST_DRAWN_Q16: i64 = 5 << 14;
 const LEAST_APART_Q16: i64 = 5 << 16;
+const SURE_SIGMA_Q16: u32 = 1 << 13;
 /// Of [`Profile::locate`].
 const MOST_CORRECTIONS: usize = 3;
 
@@ -135,7 +136,8 @@ impl Profile {
         let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
         let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
         let found = profile.locate(pixels, column_q16, (i64::from(u16::MAX), drawn_q16), around)?;
-        if is_drawn && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
+        let is_sure = found.sigma_q16 < SURE_SIGMA_Q16;
+        if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
             return None;
         }
         let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
@@ -163,7 +165,7 @@ impl Profile {
             fit = self.fit(pixels, i32::try_from(from_q16).ok()?, around)?;
         }
         fit.shift_q16 += from_q16 - expected_q16;
-        let fits = fit.shift_q16.abs() <= gate_q16.min(4 * fit.sigma_q16 + blur_q16 / 4 + drawn_q16)
+        let fits = fit.shift_q16.abs() <= gate_q16.min((4 * fit.sigma_q16 + blur_q16 / 4).max(drawn_q16))
             && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
         if !fits {
             return None;
