@@ -70,3 +70,34 @@ fn crossing_bars_lead_no_line_astray() {
     assert!(rms < 0.01, "{rms}");
     assert!(wrong <= 1, "{wrong} in {FRAMES} frames");
 }
+
+/// One post ends where another one begins, a little to the side of it or right below: two edges, not one with a kink.
+#[test]
+fn posts_above_each_other() {
+    let world = moving(1.5);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    // Both right sides are near column 174 in the middle row.
+    let right_side_at = |depth_m: f32| 0.05 - 7.5 / 300.0 / depth_m - 0.05 / depth_m;
+    for gap_m in [0.0, 0.02, 0.05, 0.1] {
+        for (upper_m, lower_m) in [(3.0, 1.5), (1.5, 3.0), (2.5, 1.0)] {
+            for seed in 1..4 {
+                let mut scene: Scene<2> = Scene::new(Background::plain(180.0)).expect("sound background");
+                let upper = Bar::upright(right_side_at(upper_m), upper_m, 0.1, 60.0).between(-10.0, 0.0);
+                let lower = Bar::upright(right_side_at(lower_m), lower_m, 0.1, 60.0).between(gap_m, 10.0);
+                scene.push(upper).expect("a sound bar");
+                scene.push(lower).expect("a sound bar");
+                let (frame, truths) = render(&scene, &world, TOP, Exposure::default(), seed);
+                let found = ranges_of(&mut Ranger::<16, 10, 32>::new(), &setup, &world, &frame);
+                for truth in &truths {
+                    let is_it = |range: &&Range<f32>| {
+                        range.polarity == truth.polarity && range.first_row.abs_diff(truth.first_row) < 15
+                    };
+                    let range = found.iter().find(is_it).filter(|range| range.status == RangeStatus::Ok);
+                    let sigmas = range.map(|range| errors(range, truth).1.abs());
+                    let name = format!("{upper_m} m above {lower_m} m, gap {gap_m}, seed {seed}");
+                    assert!(sigmas.is_some_and(|sigmas| sigmas < 5.0), "{name}: {sigmas:?} of {truth:?} in {found:#?}");
+                }
+            }
+        }
+    }
+}

@@ -61,6 +61,28 @@ fn close_neighbours() {
 }
 
 /// A near post overtakes a far one: the lines cross and keep their identity by slope, not by order.
+/// Two edges of one polarity within each other's blur, of which the older one is not seen for a row: fewer edges than there are, but
+/// each in its own line.
+#[test]
+fn two_within_their_blur() {
+    let scene = Scene::vga();
+    for (apart_px, width_q8) in [(1.5, 256), (3.0, 512)] {
+        let posts = [(0.0, 2.0, Rising), (apart_px / 600.0, 2.0, Rising)];
+        let mut rows = rows_of(&scene, &posts);
+        for edge in rows.iter_mut().flatten() {
+            edge.width_q8 = width_q8;
+        }
+        rows[..200].iter_mut().for_each(|row| row.truncate(1));
+        for row in [202, 204, 206] {
+            let mut missed = rows.clone();
+            missed[row].remove(0);
+            let mut found = ranges(&scene, &missed);
+            found.retain(|range| range.status != RangeStatus::Short);
+            assert_depths(&found, &vec![2.0; found.len().max(1)]);
+        }
+    }
+}
+
 #[test]
 fn crossing_lines() {
     let scene = Scene::vga();

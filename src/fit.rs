@@ -119,7 +119,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     };
     let mut solved = problem.settle_in_front(&start)?;
     for _ in 0..MAX_CLEANINGS {
-        let Some(doubtful) = problem.doubt_strangers(&solved)? else { break };
+        let Some(doubtful) = problem.doubt_strangers(&solved) else { break };
         if !problem.drop_strangers(&doubtful) {
             break;
         }
@@ -260,12 +260,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
-    /// `None` where none deviates enough.
-    fn doubt_strangers(&mut self, solved: &Solved<S, N>) -> Result<Option<Solved<S, N>>, FitError> {
+    /// `None` where none deviates enough, or where they lead nowhere.
+    fn doubt_strangers(&mut self, solved: &Solved<S, N>) -> Option<Solved<S, N>> {
         let sizes = self.deviations(solved);
         let limit = usual_of(&sizes) * S::from_i32(DOUBTFUL);
         if !sizes.iter().any(|size| *size > limit) {
-            return Ok(None);
+            return None;
         }
         let mut doubtful = None;
         for _ in 0..DOUBTING_ROUNDS {
@@ -274,9 +274,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 let deviation = last.solution.deviation(row).abs() * sight.doubt;
                 sight.doubt = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
             }
-            doubtful = Some(self.round(&last.edge, Round::Later)?);
+            let Ok(next) = self.round(&last.edge, Round::Later) else {
+                self.sights.iter_mut().for_each(|sight| sight.doubt = S::ONE);
+                return None;
+            };
+            doubtful = Some(next);
         }
-        Ok(doubtful)
+        doubtful
     }
 
     /// How far off the samples are that are still in, in units of their own noise.

@@ -175,12 +175,12 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
-    /// Appends a line that goes on further, knot by knot; it may have begun before this one's last edge.
+    /// Appends a line that began and ended later, knot by knot: it may have begun before this one's last edge.
     ///
-    /// *Errors*: as [`Line::push`] for its last edge, or where it begins before this one; nothing has changed then.
+    /// *Errors*: as [`Line::push`] for its last edge, or where it began first; nothing has changed then.
     pub(crate) fn append(&mut self, later: &Self) -> Result<(), OutOfOrder> {
         self.check_order(&later.last)?;
-        if later.first.time_ns < self.first.time_ns {
+        if later.first.time_ns <= self.first.time_ns || later.first.row == self.first.row {
             return Err(OutOfOrder(later.first));
         }
         let start = Knot::of(&later.first, &self.first);
@@ -255,8 +255,10 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// its shape is known.
     pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
         let sum = self.settled();
-        let variances_q32 = sum.variances_q32.saturating_mul(4).min(i64::MAX as u64);
-        S::from_ratio(variances_q32.isqrt() as i64, i64::from(sum.edges) << 16)
+        // The mean variance, over the number of widths.
+        let mean_q32 = (sum.variances_q32 / u64::from(sum.edges.max(1))).saturating_mul(4);
+        let of_mean_q32 = (mean_q32 / u64::from(sum.widths.max(1))).min(i64::MAX as u64);
+        S::from_ratio(of_mean_q32.isqrt() as i64, 1 << 16)
     }
 
     /// All knots but the first, unless it is the only one.

@@ -145,7 +145,7 @@ impl Profile {
     }
 
     /// The edge near the expected column, and a better profile; `None` where the row shows something else. What is found must
-    /// not depend on what was expected, or a line would go on where it once went astray: steps until the last one is small.
+    /// not depend on what was expected, or a line would go on where it once went astray: more steps where the first one is large.
     pub(crate) fn locate(
         &mut self,
         pixels: &[u8],
@@ -365,7 +365,7 @@ mod tests {
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
             let expected_q16 = (column(row) * 65536.0) as i64;
-            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, Neighbours::NONE) else {
+            let Some(edge) = profile.locate(&pixels, expected_q16, (1 << 17, 0), Neighbours::NONE) else {
                 assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
                 continue;
             };

@@ -71,14 +71,14 @@ pub struct Limits {
     /// Steepest slope that a line may begin with, in 1/65536 px of column per row.
     pub max_slope_q16: u32,
     /// How far an edge may lie from the column that a young line predicts, beyond four sigma of its noise, in 1/65536 px;
-    /// an eighth of it where the line has 64 edges.
+    /// an eighth of it where the line has 64 edges. Of pixels, no farther than four times as far as the line's edges scatter.
     pub gate_q16: u32,
     /// Edges after which a tentative line is confirmed.
     pub confirm_edges: u16,
     /// Rows in a row without an edge after which a tentative line is dropped.
     pub tentative_gap_rows: u16,
-    /// Rows in a row without an edge after which a confirmed line ends; as many more as it has edges, or half as many where its
-    /// edges are somebody's own.
+    /// Rows in a row without an edge after which a confirmed line ends; two more for each edge it has, or one for every two where
+    /// its edges are somebody's own.
     pub gap_rows: u16,
     /// A line of fewer edges is `short`.
     pub min_edges: u16,

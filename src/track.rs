@@ -38,7 +38,8 @@ const MEMORY_EDGES: i64 = 64;
 const LEAST_MEMORY_EDGES: i64 = 16;
 /// Rows without an edge after which a line of pixels is hidden.
 const MOST_GUESSED_ROWS: u16 = 4;
-/// A line of more edges is one of its own.
+/// A line of fewer edges does not tell how steep it is; one of more is one of its own.
+const LEAST_YOUNG_EDGES: u16 = 8;
 const MOST_YOUNG_EDGES: u16 = 32;
 /// Edges that do not look as expected, after which a new look is taken.
 const MOST_STRANGE_EDGES: u8 = 8;
@@ -213,31 +214,28 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.profile.is_some() && self.missed_rows > MOST_GUESSED_ROWS
     }
 
-    /// Whether the line is so young that it may be a piece of an older one.
+    /// Whether the line is so young that it may be a piece of an older one, and old enough to tell how steep it is.
     pub(crate) fn is_young(&self) -> bool {
-        self.state == State::Confirmed && self.line.edges() <= MOST_YOUNG_EDGES
+        self.state == State::Confirmed && (LEAST_YOUNG_EDGES..=MOST_YOUNG_EDGES).contains(&self.line.edges())
     }
 
-    /// How far off this line a young one goes on, if it may be the same edge: where this one is hidden, or so near that the two cannot
-    /// be told apart.
+    /// How far off this hidden line a young one goes on, if it may be the same edge: where it is expected, and as steep as far as its
+    /// edges tell, if they are as noisy as this line's.
     pub(crate) fn continued_by(&self, young: &Self, limits: &Limits) -> Option<u64> {
         let (mine, theirs) = (&self.line, &young.line);
-        let is_older = self.state == State::Confirmed && mine.edges() >= theirs.edges();
-        if !is_older || mine.last().row == theirs.last().row || mine.first().polarity != theirs.first().polarity {
+        if !self.is_hidden() || mine.first().polarity != theirs.first().polarity {
             return None;
         }
         let prediction = self.predict(theirs.last().row, limits);
         let off_q16 = young.column_q16.abs_diff(prediction.column_q16);
-        let most_off_q16 = if self.is_hidden() { prediction.gate_q16 } else { self.blur_q16() };
         let turn_q16 = u64::from(self.slope_q16.abs_diff(young.slope_q16));
-        let goes_on = off_q16 <= most_off_q16.unsigned_abs() && turn_q16 <= young.most_turn_q16();
+        // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be noisier.
+        let edges = u64::from(theirs.edges().max(1));
+        let theirs_q16 = if self.is_beside_texture { young.scatter_q16 } else { 0 };
+        let scatter_q16 = u64::from(self.scatter_q16.max(theirs_q16));
+        let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (edges * edges * edges).isqrt().max(1);
+        let goes_on = off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
         goes_on.then_some(off_q16)
-    }
-
-    /// Four sigma of the slope of n edges, each √(12/n³) of an edge's.
-    fn most_turn_q16(&self) -> u64 {
-        let edges = u64::from(self.line.edges().max(1));
-        NO_TURN_Q16 + 18 * u64::from(self.scatter_q16) / (edges * edges * edges).isqrt().max(1)
     }
 
     /// Goes on as a young line does.

@@ -104,7 +104,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         for place in &self.under_way {
             if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
                 let beside_texture = track.profile.is_some_and(|profile| profile.is_beside_texture());
-                if is_crowded || beside_texture {
+                if (is_crowded || beside_texture) && !track.is_hidden() {
                     track.line.count_crowded_row();
                 }
             }
@@ -221,7 +221,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
     /// hidden ones would leave no place for what they wait for.
-    fn has_room_to_resume(&self) -> bool {
+    fn has_room_to_join(&self) -> bool {
         let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.as_ref());
         let hidden = tracks.filter(|track| track.is_hidden()).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
@@ -229,7 +229,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
     fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
-        let room = self.has_room_to_resume();
+        let room = self.has_room_to_join();
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Option::as_ref);
