@@ -50,7 +50,8 @@ const MOST_BLUR_Q8: u16 = 12 << 8;
 const LONG_BLUR_Q8: u16 = 4 << 8;
 /// Of [`Profile::settled`].
 const MOST_STEPS: usize = 6;
-/// How far the scanner may draw an edge away from a neighbour, and how near they may be for their profiles to be told apart.
+/// How far the scanner may draw an edge away from a neighbour, and how far apart, one found and one drawn, they must be: nearer ones
+/// hide each other's levels. So far as the noise tells.
 const MOST_DRAWN_Q16: i64 = 5 << 14;
 const LEAST_APART_Q16: i64 = 5 << 16;
 const SURE_SIGMA_Q16: u32 = 1 << 13;
@@ -144,7 +145,8 @@ impl Profile {
         Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
 
-    /// The edge near the expected column, and a better profile; `None` where the row shows something else. What is found must
+    /// The edge near the expected column, and a better profile; `None` where the row shows something else, or where it is farther off
+    /// than the gate, or than its noise and what the expected column may itself be drawn aside. What is found must
     /// not depend on what was expected, or a line would go on where it once went astray: more steps where the first one is large.
     pub(crate) fn locate(
         &mut self,
