@@ -408,6 +408,19 @@ fn faint_and_noisy() {
     }
 }
 
+/// Rounding to whole grey levels errs alike in row after row, and is no bend.
+#[test]
+fn faint_without_noise() {
+    let exposure = Exposure { read_noise: 0.0, shot_gain: 0.0, ..Exposure::default() };
+    for contrast in [8.0, 15.0, 30.0, 60.0, 120.0] {
+        for depth_m in [1.0, 2.0, 3.0, 5.0] {
+            let scene = scene_of(115.0, [Bar::upright(0.05, depth_m, 0.2, 115.0 + contrast).into()]);
+            let (found, truths) = look(&scene, &moving(1.5), exposure, 1);
+            assert_found(&format!("contrast {contrast}, {depth_m} m"), &found, &truths, 0.01);
+        }
+    }
+}
+
 #[test]
 fn long_motion_blur() {
     // 1.5 m/s at 0.6 m: 750 px/s.
