@@ -187,37 +187,15 @@ impl Profile {
     fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
         let template = Template::new(self.blur_q8());
         let expected = i64::from(expected_q16);
-        // Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
-        let clear_q16 = (2 * i64::from(self.blur_q8()) + 256) << 8;
-        let border_q16 = (pixels.len() as i64 - 1) << 16;
-        let alone =
-            expected - clear_q16 >= around.left_q16.max(0) && expected + clear_q16 <= around.right_q16.min(border_q16);
-        if !alone {
+        if !self.is_alone(expected, around, pixels.len()) {
             return None;
         }
         let look = Look::new(pixels, expected, &template, around)?;
-        let (usual, means_q8) = (i64::from(self.contrast_q8()), self.levels_q8());
-        let mut sums = look.sums(&template, means_q8);
-        let off_q16 = sums.off_q16;
-        let ([left_q8, right_q8], residual_slope) = if self.is_restless() {
-            // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
-            // plateau, an error of the width would shift the edge.
-            sums.free_levels(look.level_sums(&template, means_q8))?;
-            (sums.off_q16.map(|off_q16| off_q16 >> 8), sums.residual_slope)
-        } else {
-            let [left_q8, right_q8] = self.departure(off_q16);
-            if left_q8 != 0 || right_q8 != 0 {
-                let [left_mean_q8, right_mean_q8] = means_q8;
-                sums = look.sums(&template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
-            }
-            ([left_q8, right_q8], sums.residual_slope_of_plateaus())
-        };
-        let contrast = usual + right_q8 - left_q8;
-        // The same kind of edge: not so much weaker that it would only add noise, and at most twice as strong.
-        if contrast * usual.signum() * 3 < usual.abs() * 2 || contrast.abs() > 2 * usual.abs() {
-            return None;
-        }
-        if !sums.shows_edge() {
+        let of_means = look.sums(&template, self.levels_q8());
+        let off_q16 = of_means.off_q16;
+        let (sums, [left_q8, right_q8], residual_slope) = self.with_own_levels(&look, &template, of_means)?;
+        let contrast = i64::from(self.contrast_q8()) + right_q8 - left_q8;
+        if !self.is_alike(contrast) || !sums.shows_edge() {
             return None;
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
@@ -236,6 +214,38 @@ impl Profile {
             sigma_q16: self.sigma_q16(&sums, (box_q16 << 8).checked_div(contrast.abs())?)?,
             off_q16,
         })
+    }
+
+    /// Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
+    fn is_alone(&self, column_q16: i64, around: Neighbours, columns: usize) -> bool {
+        let clear_q16 = (2 * i64::from(self.blur_q8()) + 256) << 8;
+        let border_q16 = (columns as i64 - 1) << 16;
+        column_q16 - clear_q16 >= around.left_q16.max(0) && column_q16 + clear_q16 <= around.right_q16.min(border_q16)
+    }
+
+    /// Whether an edge of this contrast is of the same kind: not so much weaker that it would only add noise, and at most twice as
+    /// strong.
+    fn is_alike(&self, contrast_q8: i64) -> bool {
+        let usual_q8 = i64::from(self.contrast_q8());
+        contrast_q8 * usual_q8.signum() * 3 >= usual_q8.abs() * 2 && contrast_q8.abs() <= 2 * usual_q8.abs()
+    }
+
+    /// The sums with the levels that the row itself shows, what these are above the mean ones, and the product of residual and slope.
+    fn with_own_levels(&self, look: &Look<'_>, template: &Template, of_means: Sums) -> Option<(Sums, [i64; 2], i64)> {
+        let (mut sums, [left_mean_q8, right_mean_q8]) = (of_means, self.levels_q8());
+        if self.is_restless() {
+            // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
+            // plateau, an error of the width would shift the edge.
+            sums.free_levels(look.level_sums(template, [left_mean_q8, right_mean_q8]))?;
+            let (change_q8, residual_slope) = (sums.off_q16.map(|off_q16| off_q16 >> 8), sums.residual_slope);
+            return Some((sums, change_q8, residual_slope));
+        }
+        let [left_q8, right_q8] = self.departure(sums.off_q16);
+        if left_q8 != 0 || right_q8 != 0 {
+            sums = look.sums(template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+        }
+        let residual_slope = sums.residual_slope_of_plateaus();
+        Some((sums, [left_q8, right_q8], residual_slope))
     }
 
     /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong. `per_grey`
