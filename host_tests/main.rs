@@ -22,6 +22,7 @@ mod simulator;
 mod statuses;
 mod symmetries;
 mod table2;
+mod torn;
 mod tracking;
 mod trajectory;
 mod uncertainty;

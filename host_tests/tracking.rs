@@ -60,7 +60,6 @@ fn close_neighbours() {
     assert_depths(&ranges(&scene, &rows_of(&scene, &posts)), &[2.0, 2.0, 2.0]);
 }
 
-/// A near post overtakes a far one: the lines cross and keep their identity by slope, not by order.
 /// Two edges of one polarity within each other's blur, of which the older one is not seen for a row: fewer edges than there are, but
 /// each in its own line.
 #[test]
@@ -83,6 +82,7 @@ fn two_within_their_blur() {
     }
 }
 
+/// A near post overtakes a far one: the lines cross and keep their identity by slope, not by order.
 #[test]
 fn crossing_lines() {
     let scene = Scene::vga();

@@ -243,8 +243,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.edges
     }
 
-    /// Mean of the measured widths of the edges (one sigma of blur) in pixels; `None` unless most were measured. The first knot, in which the
-    /// width settles, counts only where there is no other.
+    /// Mean of the measured widths of the edges (one sigma of blur) in pixels; `None` unless most were measured. The first knot,
+    /// in which the width settles, counts only where there is no other.
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
         let sum = self.settled();

@@ -139,8 +139,8 @@ impl Sums {
         self.pixels >= 3 && self.slope_slope >= 1 << 24
     }
 
-    /// Product of the residual with the slope, had the levels that the plateaus show been expected: of the slope's sum half belongs to
-    /// either level.
+    /// Product of the residual with the slope, had the levels that the plateaus show been expected: of the slope's sum half
+    /// belongs to either level.
     ///
     /// Means over rows are less noisy, but what they are off shifts all these rows alike: for a line it comes to the same,
     /// and each row for itself knows neither lag nor drift, and no bad start.
@@ -149,8 +149,8 @@ impl Sums {
         self.residual_slope - (left_q8 + right_q8) * self.slope / 2
     }
 
-    /// Products of the widening with the residual, had the row's own levels been expected (it changes sign in the middle), and with itself; and the same
-    /// without what another lens would explain, which is less biased and noisier.
+    /// Products of the widening with the residual, had the row's own levels been expected (it changes sign in the middle), and
+    /// with itself; and the same without what another lens would explain, which is less biased and noisier.
     pub(crate) fn widening(&self) -> [(i64, i64); 2] {
         let [left_q8, right_q8] = self.off_q16.map(|off_q16| off_q16 >> 8);
         let own = |residual: i64, step: i64| residual - (((right_q8 - left_q8) * step) >> 15);

@@ -1,7 +1,7 @@
 //! [`Profile`]: what a tracked edge looks like, and where the next row has it.
 //!
 //! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its rows
-//! so far tell both levels and the blur, the maximum-likelihood estimate is one step from the prediction: the row minus
+//! so far tell both levels and the blur, the maximum-likelihood estimate is a step or a few from the prediction: the row minus
 //! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
 
 use crate::look::{Look, Neighbours, Side, Sums, plateau};
@@ -136,7 +136,7 @@ impl Profile {
         let column_q16 = i64::from(edge.column_q16);
         let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
         let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
-        let found = profile.locate(pixels, column_q16, (i64::from(u16::MAX), drawn_q16), around)?;
+        let found = profile.locate(pixels, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
         let is_sure = found.sigma_q16 < SURE_SIGMA_Q16;
         if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
             return None;
@@ -152,7 +152,8 @@ impl Profile {
         &mut self,
         pixels: &[u8],
         expected_q16: i64,
-        (gate_q16, drawn_q16): (i64, i64),
+        gate_q16: i64,
+        drawn_q16: i64,
         around: Neighbours,
     ) -> Option<ScannedEdge> {
         let expected = i32::try_from(expected_q16).ok()?;
@@ -257,8 +258,7 @@ impl Profile {
         let half_q8 = (sums.slope << 7).checked_div(slope_slope)?;
         let of_levels_q16: i64 = sums.plateau_pixels.iter().map(|pixels| half_q8 * half_q8 / pixels.max(&1)).sum();
         let variance_q16 = (i64::from(self.noise_q16) * (of_flank_q16 + of_levels_q16)) >> 16;
-        let grey_q8 = root(variance_q16);
-        Some((per_grey * grey_q8) >> 8)
+        Some((per_grey * root(variance_q16)) >> 8)
     }
 
     /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
@@ -377,7 +377,7 @@ mod tests {
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
             let expected_q16 = (column(row) * 65536.0) as i64;
-            let Some(edge) = profile.locate(&pixels, expected_q16, (1 << 17, 0), Neighbours::NONE) else {
+            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
                 assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
                 continue;
             };

@@ -134,8 +134,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if !self.is_beside_texture {
             return sigma_q16;
         }
-        let of_scatter_q16 = u32::from(self.scatter_q16) * 5 / 4;
-        (sigma_q16.max(of_scatter_q16).min(Edge::MAX_SIGMA_Q16 / LIKE_ROWS)) * LIKE_ROWS
+        sigma_q16.max(self.scatter_sigma_q16()).min(Edge::MAX_SIGMA_Q16 / LIKE_ROWS) * LIKE_ROWS
+    }
+
+    /// One sigma of normal values is 5/4 of their mean size.
+    fn scatter_sigma_q16(&self) -> u32 {
+        u32::from(self.scatter_q16) * 5 / 4
     }
 
     /// Four sigma of the noise, or two of the blur.
@@ -196,7 +200,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: Neighbours,
     ) -> Option<Edge> {
         let profile = self.profile.as_mut()?;
-        let mut found = profile.locate(pixels, prediction.column_q16, (prediction.gate_q16, 0), around)?;
+        let mut found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, 0, around)?;
         if profile.is_surely_beside_texture() && !self.is_beside_texture {
             // What holds from now on held for the rows before as well.
             self.is_beside_texture = true;
@@ -242,7 +246,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     pub(crate) fn go_on_as(&mut self, young: &Self) -> bool {
         let mut later = young.line.clone();
         if self.is_beside_texture {
-            later.blunt(self.stated_sigma_q16(u32::from(young.scatter_q16) * 5 / 4));
+            later.blunt(self.stated_sigma_q16(young.scatter_sigma_q16()));
         }
         if self.line.append(&later).is_err() {
             return false;

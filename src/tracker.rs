@@ -305,7 +305,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// A young line may be a piece of an older one: that goes on with it.
+    /// A young line may be a piece of one that is hidden: that goes on with it.
     fn join_pieces(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
@@ -320,7 +320,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     fn join_piece(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
         let slot = usize::from(place);
         let young = self.tracks.get(slot)?.as_ref().filter(|young| young.is_young() && young.line.last().row == row)?;
-        let others = self.under_way.iter().filter(|other| **other != place).filter_map(|other| {
+        let others = self.under_way.iter().filter_map(|other| {
             let older = self.tracks.get(usize::from(*other))?.as_ref()?;
             Some((older.continued_by(young, limits)?, *other))
         });
