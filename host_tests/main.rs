@@ -1,5 +1,6 @@
 //! All host tests, one harness: the library's own code against the paper, the reference edges and synthetic scenes.
 
+mod architecture;
 mod back_ends;
 mod bad_input;
 mod blur;

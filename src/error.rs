@@ -3,8 +3,6 @@
 use core::error::Error;
 use core::fmt::{self, Display, Formatter};
 
-use crate::TrajectoryStream;
-
 /// A parameter that cannot be right: its name, its value and what would be right.
 ///
 /// ```
@@ -202,3 +200,94 @@ impl From<ParameterError> for TrajectoryError {
         Self::Value(error)
     }
 }
+
+/// A stream of samples that a [`Trajectory`](crate::Trajectory) is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum TrajectoryStream {
+    /// Of the camera, m/s.
+    Velocity,
+    /// Rotation rate, rad/s.
+    Rate,
+    /// Direction of "down".
+    Gravity,
+}
+
+impl Display for TrajectoryStream {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Velocity => "velocity",
+            Self::Rate => "rotation rate",
+            Self::Gravity => "gravity",
+        })
+    }
+}
+
+/// Why there is no motion for a frame: data is missing or stale. A status, not an error: the next frame may have one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum TrajectoryGap {
+    /// Not a single sample has come.
+    Missing(TrajectoryStream),
+    /// The frame needs values farther from any sample, or between samples farther apart, than is trusted.
+    Stale {
+        /// The stream with the gap.
+        stream: TrajectoryStream,
+        /// When the first untrusted value would be needed, in the camera's clock; after the last sample, when the last
+        /// one would be.
+        at_ns: i64,
+        /// How long the gap is: between its two samples, or from the nearest one to `at_ns`.
+        gap_ns: u64,
+        /// The longest that is trusted: [`StreamClock::max_gap_ns`].
+        max_gap_ns: u64,
+    },
+}
+
+impl Display for TrajectoryGap {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing(stream) => write!(formatter, "no {stream}: not a single sample"),
+            Self::Stale { stream, at_ns, gap_ns, max_gap_ns } => write!(
+                formatter,
+                "no {stream} at {at_ns} ns: a gap of {gap_ns} ns, but at most {max_gap_ns} ns are trusted"
+            ),
+        }
+    }
+}
+
+impl Error for TrajectoryGap {}
+
+/// Why there is no estimate: a property of the scene or of the call, with its number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum FitError {
+    /// Fewer than two samples (three with a tilt to be estimated).
+    TooFewSamples(usize),
+    /// More samples than the solver's table holds.
+    TooManySamples,
+    /// A sample's column, row, time or sigma is not finite, sigma is not positive, or the lens maps nothing there.
+    InvalidSample(usize),
+    /// The edges run along the rows at this sample: the camera lies on its side, or the edges' vanishing point is in view.
+    Sideways(usize),
+}
+
+impl Display for FitError {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooFewSamples(count) => write!(formatter, "{count} samples: at least 3 are needed (2 without tilt)"),
+            Self::TooManySamples => write!(formatter, "more samples than the solver's table holds"),
+            Self::InvalidSample(index) => {
+                write!(
+                    formatter,
+                    "sample {index}: column, row and time must be finite, sigma above zero, the pixel in the image"
+                )
+            }
+            Self::Sideways(index) => write!(formatter, "sample {index}: upright edges run along the rows there"),
+        }
+    }
+}
+
+impl Error for FitError {}

@@ -104,80 +104,42 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+// What everything rests on.
 mod scalar;
-mod vector;
+mod error;
 
 // What is known beforehand.
-mod camera;
-mod distortion;
-mod readout;
-mod motion;
-mod stream;
-mod trajectory;
 mod setup;
+mod motion;
 
-// From edges to lines.
+// The way of the data: a row of pixels, edge points, lines, ranges.
 mod edge;
-mod scan;
-mod template;
-mod look;
-mod profile;
 mod line;
-mod sweep;
-mod track;
-mod tracker;
-
-// From a line to a range.
-mod sight;
-mod covariance;
-mod solve;
-mod effects;
-mod state;
-mod witness;
-mod belief;
-mod straightness;
-mod budget;
-mod estimate;
-mod fit;
 mod range;
-mod lens;
-
-// From frame to frame.
-mod landmark;
+pub mod rse;
+mod ranger;
 mod sequence;
 
-// All of it, and the paper's short way.
-mod ranger;
-pub mod rse;
 #[cfg(feature = "libm")]
 pub mod sim;
 
-mod error;
-
-pub use budget::{Budget, ErrorSource};
-pub use camera::{Camera, Intrinsics, Ray};
-pub use distortion::Distortion;
-pub use edge::{Edge, Polarity};
-pub use error::{EdgeError, ParameterError, RowError, TrajectoryError};
-pub use estimate::{Estimate, Interval, RangeStatus};
-pub use fit::{FitError, fit};
-pub use lens::{LensBlur, LensWitness};
-pub use line::{Line, OutOfOrder, Sample, Spread};
-pub use motion::{Motion, Pose, Twist};
-pub use range::Range;
+pub use edge::{Edge, Polarity, ScannedEdge, Scanner};
+pub use error::{EdgeError, FitError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream};
+pub use line::{Counters, Line, OutOfOrder, Tracker};
+pub use motion::{FrameMotion, Motion, Pose, Stamps, StreamClock, Streams, Trajectory, Twist};
+pub use range::{
+    Budget, ErrorSource, Estimate, Interval, LensBlur, LensWitness, Range, RangeStatus, Sample, Spread, fit,
+};
 pub use ranger::Ranger;
-pub use readout::{Readout, ReadoutDirection};
 #[cfg(feature = "micromath")]
 pub use scalar::Micro;
 #[cfg(feature = "fixed")]
 pub use scalar::Q32;
 pub use scalar::Scalar;
-pub use scan::{ScannedEdge, Scanner};
 pub use sequence::Sequence;
-pub use setup::{Limits, MotionBlur, Setup, Uncertainty};
-pub use stream::{Stamps, StreamClock, TrajectoryGap, TrajectoryStream};
-pub use tracker::{Counters, Tracker};
-pub use trajectory::{FrameMotion, Streams, Trajectory};
+pub use setup::{
+    Camera, Distortion, Intrinsics, Limits, MotionBlur, Ray, Readout, ReadoutDirection, Setup, Uncertainty,
+};
 
 #[cfg(all(doctest, feature = "libm"))]
 #[doc = include_str!("../README.md")]

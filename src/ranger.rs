@@ -2,10 +2,13 @@
 
 use heapless::Vec;
 
-use crate::look::Neighbours;
-use crate::profile::Profile;
-use crate::track::RowTime;
-use crate::{Counters, Edge, EdgeError, Line, Motion, Range, RowError, Scalar, Scanner, Setup, Tracker};
+use crate::edge::{Edge, Neighbours, Profile, Scanner};
+use crate::error::{EdgeError, RowError};
+use crate::line::{Counters, Line, RowTime, Tracker};
+use crate::motion::Motion;
+use crate::range::Range;
+use crate::scalar::Scalar;
+use crate::setup::Setup;
 
 /// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `EDGES` edges on one row.
 ///

@@ -14,9 +14,9 @@
 //!
 //! These are first-order: use [`fit`](crate::fit()) for rotation, attitude and anything measured on more than two rows.
 
-use crate::estimate::Estimate;
-use crate::scalar::hypot;
-use crate::{ParameterError, Scalar};
+use crate::error::ParameterError;
+use crate::range::Estimate;
+use crate::scalar::{Scalar, hypot};
 
 /// κ of the paper's camera: one constant that explains its field test. Calibrated from the published figures, since the
 /// paper's own table of parameters does not give it (sensor height: 2.26; 16:9 crop: 2.69; 3840 rows: 2.3616).

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
-use crate::size::Size;
+use crate::input::size::Size;
 
 /// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, the nearer the more.
 #[derive(Parser)]

@@ -1,38 +1,10 @@
 //! `shutter-range`: distance from the rolling-shutter effect, on recorded data.
 
-// The command line, and what comes in.
+mod input;
 mod arguments;
-mod bounds;
-mod nearest;
-mod keys;
-mod size;
-mod setup;
-mod table_file;
-mod edge_file;
-mod trajectory_file;
-mod course;
-mod picture;
-mod scene_file;
-mod sequel;
-
-// The commands.
-mod table2;
-mod edges;
-mod tracking;
-mod frames;
-mod simulate;
-
-// What goes out.
-mod report;
-mod truth;
-mod rounding;
-mod text_table;
-mod range_table;
-mod overlay;
-mod canvas;
-mod glyphs;
-mod progress;
+mod ranging;
 mod output;
+mod command;
 
 use std::process::ExitCode;
 
@@ -40,34 +12,36 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::arguments::{Cli, Command, FrameArgs};
+use crate::command::{edges, frames, simulate, table2};
+use crate::output::{overlay, range_table, terminal, truth};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     on_a_large_stack(move || run(&cli)).unwrap_or_else(|error| {
-        output::error(&error);
+        terminal::error(&error);
         ExitCode::FAILURE
     })
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {
-    let colours = output::colours();
+    let colours = terminal::colours();
     let text = match &cli.command {
         Command::Table2 => {
             let summary = table2::summary()?;
-            if cli.json { output::json(&summary)? } else { table2::text(&summary, colours) }
+            if cli.json { terminal::json(&summary)? } else { table2::text(&summary, colours) }
         }
         Command::Edges { file, setup, course } => {
             let setup = course.load_setup(&setup.path)?;
             let document = edges::ranges(file, &setup, course)?;
-            if cli.json { output::json(&document)? } else { range_table::text(&document, colours) }
+            if cli.json { terminal::json(&document)? } else { range_table::text(&document, colours) }
         }
         Command::Frame(arguments) => return frame(arguments, cli.json),
         Command::Simulate(arguments) => {
             let truth = simulate::frames(arguments)?;
-            if cli.json { output::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
+            if cli.json { terminal::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
         }
     };
-    output::print(&text)?;
+    terminal::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -80,8 +54,8 @@ fn frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     let frames::Outcome { document, failures } = frames::ranges(arguments, &overlays, &setup)?;
     // Where nothing was read there is nothing to tell.
     if !document.frames.is_empty() {
-        let text = if json { output::json(&document)? } else { range_table::text(&document, output::colours()) };
-        output::print(&text)?;
+        let text = if json { terminal::json(&document)? } else { range_table::text(&document, terminal::colours()) };
+        terminal::print(&text)?;
     }
     Ok(if failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

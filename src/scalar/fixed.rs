@@ -4,7 +4,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use ::fixed::types::I32F32;
 
-use super::{Scalar, sealed};
+use super::scalar::{Scalar, sealed};
 
 /// A fixed-point number of 32 whole and 32 fractional bits that saturates: ±2.1·10⁹ in steps of 2.3·10⁻¹⁰.
 ///

@@ -1,6 +1,6 @@
 //! `f32` and `f64` on `libm`: the same bits on every machine.
 
-use super::{Scalar, sealed};
+use super::scalar::{Scalar, sealed};
 
 /// The two types differ in nothing but their names; a back end's functions are called by full path, because the
 /// inherent methods that std adds on a desktop would win silently and give other bits.

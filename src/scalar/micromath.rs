@@ -4,7 +4,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use ::micromath::F32Ext;
 
-use super::{Scalar, sealed};
+use super::scalar::{Scalar, sealed};
 
 /// An `f32` whose trigonometry is micromath's: a few instructions, an error of a few 10⁻⁴ to 10⁻³.
 ///

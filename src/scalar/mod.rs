@@ -1,4 +1,4 @@
-//! [`Scalar`]: the numbers that the solver runs on.
+//! The numbers that the solver runs on.
 //!
 //! A back end is a type, never a switch: each feature *adds* implementations and no feature changes what another type
 //! computes. Generic code calls nothing but this trait, so a result has the same bits on a desktop and on a board.
@@ -9,9 +9,8 @@
 //! | [`Micro`] | `micromath` | native `f32` | `micromath`, coarse |
 //! | [`Q32`] | `fixed` | 32.32 bits, saturating | integers only |
 
-use core::fmt::Debug;
-use core::ops::{Add, Div, Mul, Neg, Sub};
-
+mod scalar;
+mod vector;
 #[cfg(feature = "fixed")]
 mod fixed;
 #[cfg(feature = "libm")]
@@ -23,91 +22,6 @@ mod micromath;
 pub use self::micromath::Micro;
 #[cfg(feature = "fixed")]
 pub use fixed::Q32;
-
-/// A real number of one of the back ends.
-///
-/// *Range*: at least ±2·10⁹ with a resolution of 2.4·10⁻¹⁰ or 24 bits, whichever is coarser. What leaves the range
-/// becomes infinite (floating point) or the largest number (fixed point), never a panic; so does a division by zero.
-///
-/// This trait is sealed: the estimator's stated errors hold for the implementations of this crate.
-pub trait Scalar:
-    Copy
-    + Debug
-    + PartialEq
-    + PartialOrd
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-    + sealed::Sealed
-{
-    /// 0.
-    const ZERO: Self;
-    /// 1.
-    const ONE: Self;
-    /// The relative spacing of numbers near one: steps below it are rounding.
-    const EPSILON: Self;
-    /// 10⁶: where a sigma of inverse depth is cut off. Beyond it nothing is known.
-    const UNKNOWN: Self;
-
-    /// The whole number `value`, rounded where the type has fewer bits.
-    fn from_i32(value: i32) -> Self;
-    /// `numerator / denominator`, rounded once or twice; zero where the denominator is zero.
-    fn from_ratio(numerator: i64, denominator: i64) -> Self;
-    /// The nearest number; out of range saturates in fixed point, and NaN becomes zero there.
-    fn from_f64(value: f64) -> Self;
-    /// The value in double precision.
-    fn to_f64(self) -> f64;
-    /// Neither NaN nor infinite nor at the end of the range.
-    fn is_finite(self) -> bool;
-    /// Square root; zero for negative numbers, NaN for NaN.
-    fn sqrt(self) -> Self;
-    /// Sine of an angle in radians.
-    fn sin(self) -> Self;
-    /// Cosine of an angle in radians.
-    fn cos(self) -> Self;
-    /// Tangent of an angle in radians.
-    fn tan(self) -> Self;
-    /// Arc tangent in radians, within ±π/2.
-    fn atan(self) -> Self;
-
-    /// `value`/`denominator` of two small whole numbers, for constants in formulas.
-    fn ratio(numerator: i32, denominator: i32) -> Self {
-        Self::from_i32(numerator) / Self::from_i32(denominator)
-    }
-
-    /// The absolute value.
-    fn abs(self) -> Self {
-        if self < Self::ZERO { -self } else { self }
-    }
-
-    /// The larger of two numbers; the other one where one is not a number.
-    fn max(self, other: Self) -> Self {
-        if self >= other || other.is_nan() { self } else { other }
-    }
-
-    /// The smaller of two numbers; the other one where one is not a number.
-    fn min(self, other: Self) -> Self {
-        if self <= other || other.is_nan() { self } else { other }
-    }
-
-    /// Not equal to itself.
-    fn is_nan(self) -> bool {
-        self.partial_cmp(&self).is_none()
-    }
-}
-
-/// √(a² + b²) without squares that leave the range.
-pub(crate) fn hypot<S: Scalar>(a: S, b: S) -> S {
-    let (large, small) = if a.abs() > b.abs() { (a.abs(), b.abs()) } else { (b.abs(), a.abs()) };
-    if !(large > S::ZERO) {
-        return S::ZERO;
-    }
-    let part = small / large;
-    large * (S::ONE + part * part).sqrt()
-}
-
-mod sealed {
-    pub trait Sealed {}
-}
+pub use scalar::Scalar;
+pub(crate) use scalar::{NS_PER_S, hypot};
+pub(crate) use vector::{add, cross, dot, on_axis, scale, sub};

@@ -1,7 +1,7 @@
 //! [`Exposure`]: what the sensor and the lens do to an ideal image.
 
-use super::check;
-use crate::ParameterError;
+use super::checked::check;
+use crate::error::ParameterError;
 
 /// Exposure, blur and noise. The default is that of a small sensor in good light.
 #[derive(Clone, Copy, Debug, PartialEq)]

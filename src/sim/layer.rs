@@ -1,8 +1,9 @@
 //! One object on one row: how much of each pixel it takes.
 
 use super::blur::{BlurredStep, Walk};
+use super::exposure::Exposure;
+use super::scene::{Bar, Object, Rail};
 use super::view::{Lens, SeenLine, Vector, View};
-use super::{Bar, Exposure, Object, Rail};
 
 /// What stands still while a row is drawn: where things point, and how they are blurred.
 pub(super) struct RowView<'a> {

@@ -33,30 +33,20 @@
 //! # Ok::<(), shutter_range::ParameterError>(())
 //! ```
 
-mod blur;
+mod checked;
 mod exposure;
+mod texture;
+mod scene;
+mod view;
+mod blur;
 mod layer;
 mod noise;
-mod scene;
+mod row_texture;
 mod simulator;
-mod texture;
 mod truth;
-mod view;
 
 pub use exposure::Exposure;
 pub use scene::{Background, Bar, Object, Rail, Scene};
 pub use simulator::Simulator;
 pub use texture::Texture;
 pub use truth::Truth;
-
-use crate::ParameterError;
-
-/// Refuses the first of the parameters that is not finite or not within its limits.
-fn check<const N: usize>(parameters: [(&'static str, f32, [f32; 2], &'static str); N]) -> Result<(), ParameterError> {
-    for (name, value, [least, most], expected) in parameters {
-        if !(value >= least && value <= most) {
-            return Err(ParameterError::new(name, f64::from(value), expected));
-        }
-    }
-    Ok(())
-}

@@ -1,6 +1,6 @@
 //! Noise without a state: every pixel draws its own number from a hash of seed, frame, row and column.
 
-use super::Exposure;
+use super::exposure::Exposure;
 
 /// Spreads every bit over all bits (the finaliser of SplitMix64).
 pub(super) const fn mix(bits: u64) -> u64 {

@@ -4,8 +4,9 @@ use core::mem;
 
 use heapless::Vec;
 
-use super::{Texture, check};
-use crate::ParameterError;
+use super::checked::check;
+use super::texture::Texture;
+use crate::error::ParameterError;
 
 /// A straight bar of constant grey, upright or leaning; a thin one is a rod.
 ///

@@ -2,12 +2,15 @@
 
 use heapless::Vec;
 
+use super::exposure::Exposure;
 use super::layer::{Layer, RowView};
 use super::noise::{RowNoise, hash, mix};
-use super::texture::RowTexture;
+use super::row_texture::RowTexture;
+use super::scene::Scene;
 use super::view::{Lens, Vector, View};
-use super::{Exposure, Scene, Truth, truth};
-use crate::{Camera, Distortion, Motion, ParameterError, Readout, Twist};
+use crate::error::ParameterError;
+use crate::motion::{Motion, Twist};
+use crate::setup::{Camera, Distortion, Readout};
 
 /// Yields the pixel rows that a rolling-shutter camera would record of a [`Scene`].
 ///
@@ -114,15 +117,6 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
             let level = layers.iter_mut().fold(background.level(x), |behind, layer| layer.cover(x, behind));
             *pixel = noise.quantise(column, level);
         }
-    }
-
-    /// The edges of the bars that this frame shows, left before right, the farthest bar first. Those that no row shows
-    /// are left out.
-    ///
-    /// *Cost*: for each edge and each row of the image one projection of every nearer object in double
-    /// precision; up to a few milliseconds on a desktop.
-    pub fn truth(&self) -> impl Iterator<Item = Truth> + '_ {
-        truth::edges(self)
     }
 
     pub(super) const fn scene(&self) -> &'a Scene<OBJECTS> {

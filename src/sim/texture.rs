@@ -1,9 +1,5 @@
 //! [`Texture`]: smooth random grey on the background.
 
-use super::Background;
-use super::noise::{hash, mix};
-use super::view::{Lens, Vector, View};
-
 /// Value noise: random levels on a square grid of bearings (x/z and y/z at the first frame's start), smoothly joined.
 /// It is infinitely far away, so that it moves with the camera's rotation only. It is sampled in the middle of the
 /// row's exposure and not blurred: keep cells several pixels large.
@@ -22,74 +18,4 @@ pub struct Texture {
 impl Texture {
     /// No texture.
     pub const NONE: Self = Self { contrast: 0.0, cell: 1.0, seed: 0 };
-}
-
-/// The background along one row.
-pub(super) struct RowTexture {
-    level: f32,
-    contrast: f32,
-    key: u64,
-    /// Direction of column 0 in the first frame's axes, x and y in cells, and its change per column.
-    start: [f32; 3],
-    step: [f32; 3],
-    /// The cell of the pixel before and the values at its corners.
-    cell: Option<[i32; 2]>,
-    corners: [[f32; 2]; 2],
-}
-
-impl RowTexture {
-    pub(super) fn new(background: &Background, view: &View, lens: &Lens, row: f64) -> Self {
-        let Texture { contrast, cell, seed } = background.texture;
-        let (u, w) = lens.bearings(0.0, row);
-        let (next, _) = lens.bearings(1.0, row);
-        let in_cells = |[x, y, z]: Vector| {
-            let cell = f64::from(cell);
-            [(x / cell) as f32, (y / cell) as f32, z as f32]
-        };
-        Self {
-            level: background.level,
-            contrast,
-            key: mix(u64::from(seed)),
-            start: in_cells(view.outwards([u, w, 1.0])),
-            step: in_cells(view.outwards([next - u, 0.0, 0.0])),
-            cell: None,
-            corners: [[0.0; 2]; 2],
-        }
-    }
-
-    /// Level of the background at a column. Sideways of the first frame's camera and behind it there is no texture.
-    pub(super) fn level(&mut self, column: f32) -> f32 {
-        if self.contrast == 0.0 {
-            return self.level;
-        }
-        let [x0, y0, z0] = self.start;
-        let [dx, dy, dz] = self.step;
-        let z = z0 + dz * column;
-        if !(z > 0.05) {
-            return self.level;
-        }
-        let (x, y) = ((x0 + dx * column) / z, (y0 + dy * column) / z);
-        let (left, top) = (libm::floorf(x), libm::floorf(y));
-        let cell = [left as i32, top as i32];
-        if self.cell != Some(cell) {
-            self.cell = Some(cell);
-            let [i, j] = cell;
-            let [right, below] = [i.wrapping_add(1), j.wrapping_add(1)];
-            let value = |i, j| corner(self.key, i, j);
-            self.corners = [[value(i, j), value(right, j)], [value(i, below), value(right, below)]];
-        }
-        let (s, t) = (smooth(x - left), smooth(y - top));
-        let [upper, lower] = self.corners.map(|[left, right]| left + (right - left) * s);
-        self.level + self.contrast * (upper + (lower - upper) * t)
-    }
-}
-
-fn smooth(part: f32) -> f32 {
-    part * part * (3.0 - 2.0 * part)
-}
-
-/// −1 to 1.
-fn corner(key: u64, i: i32, j: i32) -> f32 {
-    let bits = hash(hash(key, i as u64), j as u64) >> 40;
-    bits as f32 * (2.0 / 16_777_215.0) - 1.0
 }

@@ -1,6 +1,6 @@
 //! Where lines in space appear in the image at one instant. Double precision: it is spent per row, never per pixel.
 
-use crate::Intrinsics;
+use crate::setup::Intrinsics;
 
 pub(super) type Vector = [f64; 3];
 

@@ -1,0 +1,6 @@
+//! The commands, one file each.
+
+pub(crate) mod table2;
+pub(crate) mod edges;
+pub(crate) mod frames;
+pub(crate) mod simulate;

@@ -1,0 +1,78 @@
+//! Edge points from CSV.
+
+use anyhow::Result;
+use shutter_range::{Edge, Polarity};
+
+use super::bounds::Bounds;
+use super::setup::{SIGMA_PX, SetupFile};
+use super::table_file::{Columns, Record, TableFile};
+
+/// An edge, where it came from, and what it is said to belong to.
+#[derive(Clone, Copy)]
+pub(crate) struct EdgeRow {
+    /// Line of the file, from 1.
+    pub(crate) at: usize,
+    pub(crate) frame: Option<i64>,
+    pub(crate) line: Option<i64>,
+    pub(crate) edge: Edge,
+}
+
+pub(crate) struct EdgeFile {
+    pub(crate) rows: Vec<EdgeRow>,
+    pub(crate) has_frames: bool,
+}
+
+const COLUMNS: Columns = Columns {
+    known: &["row", "column", "time_s", "line", "frame", "polarity", "sigma_px"],
+    required: &["row", "column"],
+};
+
+/// The library takes stamps within an hour of frame start.
+const TIME: Bounds = Bounds::number(-3600.0, 3600.0, "seconds since frame start");
+
+pub(crate) fn parse(text: &str, setup: &SetupFile) -> Result<EdgeFile> {
+    let table = TableFile::parse(text, &COLUMNS)?;
+    let parser = RowParser::new(setup);
+    let rows = table.records().map(|record| parser.row(&record?)).collect::<Result<_>>()?;
+    Ok(EdgeFile { rows, has_frames: table.has("frame") })
+}
+
+fn polarity(record: &Record<'_>) -> Result<Polarity> {
+    match record.cell("polarity").map(str::to_ascii_lowercase).as_deref() {
+        None | Some("unknown") => Ok(Polarity::Unknown),
+        Some("rising" | "1" | "+1") => Ok(Polarity::Rising),
+        Some("falling" | "-1") => Ok(Polarity::Falling),
+        Some(_) => Err(record.refuse("polarity", "rising, falling or empty")),
+    }
+}
+
+/// From a line of the file to an edge.
+struct RowParser<'a> {
+    setup: &'a SetupFile,
+    rows: Bounds,
+    columns: Bounds,
+}
+
+impl<'a> RowParser<'a> {
+    fn new(setup: &'a SetupFile) -> Self {
+        let image = setup.setup.camera().intrinsics();
+        let rows = Bounds::whole(0.0, f64::from(image.rows) - 1.0, "rows of the image");
+        let columns = Bounds::number(-1.0, f64::from(image.columns), "columns of the image");
+        Self { setup, rows, columns }
+    }
+
+    fn row(&self, record: &Record<'_>) -> Result<EdgeRow> {
+        let row = record.required("row", self.rows)? as u16;
+        let column_px = record.required("column", self.columns)?;
+        let time_ns = match record.number("time_s", TIME)? {
+            Some(time_s) => (time_s * 1e9).round() as i64,
+            None => self.setup.setup.readout().row_time_ns(row),
+        };
+        let sigma_px = record.number("sigma_px", SIGMA_PX)?.unwrap_or(self.setup.sigma_column_px);
+        let edge = Edge::new(row, (column_px * 65536.0).round() as i32, time_ns)
+            .with_polarity(polarity(record)?)
+            // Whatever is finer than the grid of columns is as good as the grid.
+            .with_sigma_q16(((sigma_px * 65536.0).round() as u32).max(1));
+        Ok(EdgeRow { at: record.at, frame: record.integer("frame")?, line: record.integer("line")?, edge })
+    }
+}

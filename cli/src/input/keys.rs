@@ -1,0 +1,137 @@
+//! [`Section`]: typed access to a section of a setup file. Every error names key, value and what would be right.
+
+use anyhow::{Error, Result, anyhow, bail};
+use toml::{Table, Value};
+
+use super::bounds::Bounds;
+use super::nearest::{best, likeness};
+
+/// All sections and their keys.
+pub(crate) const KEYS: [(&str, &[&str]); 3] = [
+    (
+        "camera",
+        &[
+            "columns",
+            "rows",
+            "fx",
+            "fy",
+            "cx",
+            "cy",
+            "focal_length_mm",
+            "pixel_pitch_um",
+            "distortion",
+            "readout_s",
+            "line_time_us",
+            "direction",
+            "exposure_s",
+            "lens_blur_px",
+            "sigma_column_px",
+            "sigma_readout",
+            "sigma_focal",
+        ],
+    ),
+    ("motion", &["velocity_m_s", "rate_rad_s", "sigma_speed", "sigma_rate_rad_s"]),
+    ("attitude", &["gravity", "sigma_tilt_deg", "sigma_gravity_deg"]),
+];
+
+/// Refuses what is no key, with the nearest one.
+pub(crate) fn refuse_unknown(file: &Table) -> Result<()> {
+    for (name, value) in file {
+        let Some((section, keys)) = KEYS.iter().find(|(section, _)| section == name) else {
+            bail!("unknown {}; the nearest is {}", describe(name, value), nearest_top(name, value));
+        };
+        let Value::Table(table) = value else {
+            bail!("`{section}` is {value}, but must be a section: [{section}]");
+        };
+        if let Some(key) = table.keys().find(|key| !keys.contains(&key.as_str())) {
+            bail!("unknown key `{section}.{key}`; the nearest is `{}`", nearest_key(section, key));
+        }
+    }
+    Ok(())
+}
+
+fn describe(name: &str, value: &Value) -> String {
+    if value.is_table() { format!("section [{name}]") } else { format!("key `{name}` outside the sections") }
+}
+
+fn nearest_top(name: &str, value: &Value) -> String {
+    if !value.is_table() {
+        return format!("`{}`", nearest_key("", name));
+    }
+    let sections = KEYS.map(|(section, _)| section);
+    best(sections, |section| likeness(name, section)).map_or_else(String::new, |section| format!("[{section}]"))
+}
+
+/// The key most like `key`; that of the same section among equals.
+fn nearest_key(section: &str, key: &str) -> String {
+    let all = KEYS.iter().flat_map(|(section, keys)| keys.iter().map(move |key| (*section, *key)));
+    let score = |(place, name): (&str, &str)| likeness(key, name) + if place == section { 0.05 } else { 0.0 };
+    best(all, score).map_or_else(String::new, |(section, key)| format!("{section}.{key}"))
+}
+
+/// One section of the file; empty where the file has none.
+pub(crate) struct Section<'a> {
+    name: &'static str,
+    table: Option<&'a Table>,
+}
+
+impl<'a> Section<'a> {
+    pub(crate) fn of(file: &'a Table, name: &'static str) -> Self {
+        Self { name, table: file.get(name).and_then(Value::as_table) }
+    }
+
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.value(key).is_some()
+    }
+
+    fn value(&self, key: &str) -> Option<&'a Value> {
+        self.table.and_then(|table| table.get(key))
+    }
+
+    /// "`section.key` is …, but must be …", or that it is missing.
+    pub(crate) fn refuse(&self, key: &str, expected: impl std::fmt::Display) -> Error {
+        let name = self.name;
+        match self.value(key) {
+            Some(value) => anyhow!("`{name}.{key}` is {value}, but must be {expected}"),
+            None => anyhow!("`{name}.{key}` is missing: it must be {expected}"),
+        }
+    }
+
+    pub(crate) fn number(&self, key: &str, bounds: Bounds) -> Result<Option<f64>> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        match number(value).filter(|number| bounds.contain(*number)) {
+            Some(number) => Ok(Some(number)),
+            None => Err(self.refuse(key, bounds)),
+        }
+    }
+
+    pub(crate) fn required(&self, key: &str, bounds: Bounds) -> Result<f64> {
+        self.number(key, bounds)?.ok_or_else(|| self.refuse(key, bounds))
+    }
+
+    /// Exactly `N` numbers, which `what` describes.
+    pub(crate) fn numbers<const N: usize>(&self, key: &str, bounds: Bounds, what: &str) -> Result<Option<[f64; N]>> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let elements = value.as_array().filter(|elements| elements.len() == N);
+        let elements = elements.ok_or_else(|| self.refuse(key, format_args!("{N} numbers: {what}")))?;
+        let mut numbers = [0.0; N];
+        for (index, (place, element)) in numbers.iter_mut().zip(elements).enumerate() {
+            *place = number(element)
+                .filter(|number| bounds.contain(*number))
+                .ok_or_else(|| anyhow!("`{}.{key}[{index}]` is {element}, but must be {bounds}", self.name))?;
+        }
+        Ok(Some(numbers))
+    }
+
+    /// One of the words, as its index.
+    pub(crate) fn choice<const N: usize>(&self, key: &str, words: [&str; N]) -> Result<Option<usize>> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let index = value.as_str().and_then(|text| words.iter().position(|word| *word == text));
+        let quoted = words.map(|word| format!("{word:?}")).join(" or ");
+        index.map(Some).ok_or_else(|| self.refuse(key, quoted))
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
+}

@@ -1,0 +1,12 @@
+//! Files in: setups, edge points, trajectories, pictures and scenes, with errors that name what is wrong where.
+
+pub(crate) mod nearest;
+pub(crate) mod bounds;
+pub(crate) mod size;
+pub(crate) mod keys;
+pub(crate) mod setup;
+pub(crate) mod table_file;
+pub(crate) mod edge_file;
+pub(crate) mod trajectory_file;
+pub(crate) mod picture;
+pub(crate) mod scene_file;

@@ -1,0 +1,75 @@
+//! The camera's motion from CSV: one sample of velocity, rotation rate and perhaps gravity on each line.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+
+use super::bounds::Bounds;
+use super::setup::{DIRECTION, RATE, SPEED};
+use super::table_file::{Columns, Record, TableFile};
+
+/// In the camera's axes at that instant.
+#[derive(Clone, Copy)]
+pub(crate) struct Sample {
+    /// Since the start of the first frame.
+    pub(crate) time_ns: i64,
+    pub(crate) velocity_m_s: [f64; 3],
+    pub(crate) rate_rad_s: [f64; 3],
+    /// Where the file has it.
+    pub(crate) gravity: Option<[f64; 3]>,
+}
+
+const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
+const ROTATION: [&str; 3] = ["wx", "wy", "wz"];
+const GRAVITY: [&str; 3] = ["gx", "gy", "gz"];
+const COLUMNS: Columns = Columns {
+    known: &["time_s", "vx", "vy", "vz", "wx", "wy", "wz", "gx", "gy", "gz"],
+    required: &["time_s", "vx", "vy", "vz", "wx", "wy", "wz"],
+};
+/// Eleven days; also keeps out times of the day, which would not be those of the frames.
+const TIME: Bounds = Bounds::number(-1e6, 1e6, "seconds since the start of the first frame");
+
+/// At least two samples, in the order of time.
+pub(crate) fn load(path: &Path) -> Result<Vec<Sample>> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    parse(&text).with_context(|| path.display().to_string())
+}
+
+fn parse(text: &str) -> Result<Vec<Sample>> {
+    let table = TableFile::parse(text, &COLUMNS)?;
+    let given = GRAVITY.map(|name| table.has(name));
+    ensure!(given == [given[0]; 3], "the header must name all of `gx`, `gy` and `gz`, or none");
+    let mut samples: Vec<Sample> = Vec::new();
+    for record in table.records() {
+        let record = record?;
+        let sample = sample(&record, given[0])?;
+        if let Some(last) = samples.last().filter(|last| last.time_ns >= sample.time_ns) {
+            let expected = format!("above {}, that of the line before", last.time_ns as f64 / 1e9);
+            return Err(record.refuse("time_s", expected));
+        }
+        samples.push(sample);
+    }
+    ensure!(samples.len() >= 2, "{} samples, but there must be at least 2", samples.len());
+    Ok(samples)
+}
+
+fn sample(record: &Record<'_>, has_gravity: bool) -> Result<Sample> {
+    Ok(Sample {
+        time_ns: (record.required("time_s", TIME)? * 1e9).round() as i64,
+        velocity_m_s: vector(record, VELOCITY, SPEED)?,
+        rate_rad_s: vector(record, ROTATION, RATE)?,
+        gravity: if has_gravity { Some(direction(record)?) } else { None },
+    })
+}
+
+fn vector(record: &Record<'_>, [x, y, z]: [&str; 3], bounds: Bounds) -> Result<[f64; 3]> {
+    Ok([record.required(x, bounds)?, record.required(y, bounds)?, record.required(z, bounds)?])
+}
+
+fn direction(record: &Record<'_>) -> Result<[f64; 3]> {
+    let gravity = vector(record, GRAVITY, DIRECTION)?;
+    let length = gravity.iter().map(|component| component * component).sum::<f64>().sqrt();
+    let at = record.at;
+    ensure!(length >= 0.001, "line {at}: `gx`, `gy`, `gz` are {length} long, but must be a direction: 0.001 at least");
+    Ok(gravity)
+}

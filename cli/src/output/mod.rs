@@ -1,0 +1,12 @@
+//! What is told: reports, tables, overlays, progress.
+
+pub(crate) mod rounding;
+pub(crate) mod text_table;
+pub(crate) mod glyphs;
+pub(crate) mod canvas;
+pub(crate) mod progress;
+pub(crate) mod terminal;
+pub(crate) mod report;
+pub(crate) mod range_table;
+pub(crate) mod truth;
+pub(crate) mod overlay;

@@ -1,0 +1,145 @@
+//! Overlays: each edge with its distance over the picture it was found in.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use image::{Rgb, RgbImage};
+
+use super::canvas::{Canvas, Frame};
+use super::report::{RangeReport, Status};
+use super::rounding::{at_least, with_sigma};
+
+/// Where the overlays of frames go: for one frame to `out`, for several to `out` with the stem of the frame's name.
+/// Refuses to write one over another or over a frame.
+pub(crate) fn paths(files: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBuf>, String> {
+    let Some(out) = out else { return Ok(Vec::new()) };
+    let paths: Vec<PathBuf> = match files {
+        [_] => vec![out.to_path_buf()],
+        _ => files.iter().map(|file| with_stem(out, file)).collect(),
+    };
+    let mut taken: HashMap<&PathBuf, &PathBuf> = HashMap::new();
+    for (path, file) in paths.iter().zip(files) {
+        if let Some(frame) = files.iter().find(|frame| is_same(frame, path)) {
+            return Err(format!("--overlay would replace the frame {}", frame.display()));
+        }
+        if let Some(other) = taken.insert(path, file) {
+            let (a, b, path) = (other.display(), file.display(), path.display());
+            return Err(format!("--overlay would write {a} and {b} to the same file, {path}"));
+        }
+    }
+    Ok(paths)
+}
+
+fn with_stem(out: &Path, frame: &Path) -> PathBuf {
+    let [mut name, stem] = [out, frame].map(|path| path.file_stem().unwrap_or_default().to_os_string());
+    name.push("-");
+    name.push(stem);
+    name.push(".png");
+    out.with_file_name(name)
+}
+
+fn is_same(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => a == b,
+    }
+}
+
+pub(crate) fn write(path: &Path, picture: RgbImage, ranges: &[RangeReport]) -> Result<()> {
+    let picture = draw(picture, ranges);
+    picture.save(path).with_context(|| format!("writing {}", path.display()))
+}
+
+fn draw(picture: RgbImage, ranges: &[RangeReport]) -> RgbImage {
+    let mut canvas = Canvas::new(picture);
+    for range in ranges {
+        let (from, to) = ends(range);
+        let width = if is_thin(range.status) { 1 } else { 2 } * canvas.scale();
+        canvas.line(from, to, width, colour(range.status));
+    }
+    // Labels after all lines, so that no line crosses one.
+    let mut taken = Vec::new();
+    for range in ranges {
+        let Some(label) = label(range) else { continue };
+        let place = place(&canvas, range, &label, &Obstacles { ranges, labels: &taken });
+        canvas.text(&label, &place, colour(range.status));
+        taken.push(place);
+    }
+    canvas.into_picture()
+}
+
+fn ends(range: &RangeReport) -> ((f64, u16), (f64, u16)) {
+    ((range.column_at_first_row, range.first_row), (range.column_at_last_row, range.last_row))
+}
+
+fn is_thin(status: Status) -> bool {
+    !matches!(status, Status::Ok | Status::Far)
+}
+
+/// Light enough to be read on the dark box.
+fn colour(status: Status) -> Rgb<u8> {
+    match status {
+        Status::Ok => Rgb([64, 255, 64]),
+        Status::Far => Rgb([96, 176, 255]),
+        Status::Inconsistent | Status::Bent => Rgb([255, 144, 0]),
+        Status::Slow | Status::Short => Rgb([160, 160, 160]),
+    }
+}
+
+fn label(range: &RangeReport) -> Option<String> {
+    match range.status {
+        Status::Ok => Some(with_sigma(range.depth_m?, range.sigma_depth_m?, 1) + " m"),
+        Status::Far => Some(format!(">{} m", at_least(range.nearest_m?, 2))),
+        _ => None,
+    }
+}
+
+/// What a label should leave to be seen.
+struct Obstacles<'a> {
+    ranges: &'a [RangeReport],
+    labels: &'a [Frame],
+}
+
+impl Obstacles<'_> {
+    fn labels_overlap(&self, place: &Frame) -> bool {
+        self.labels.iter().any(|label| label.overlaps(place))
+    }
+
+    fn edges_cross(&self, place: &Frame) -> bool {
+        self.ranges.iter().any(|range| {
+            let rows = i64::from(range.first_row).max(place.top)..=i64::from(range.last_row).min(place.bottom);
+            [*rows.start(), *rows.end()]
+                .iter()
+                .any(|row| !rows.is_empty() && (place.left..=place.right).contains(&column_at(range, *row)))
+        })
+    }
+}
+
+fn column_at(range: &RangeReport, row: i64) -> i64 {
+    let ((from, first_row), (to, last_row)) = ends(range);
+    let (first_row, last_row) = (i64::from(first_row), i64::from(last_row));
+    let part = (row - first_row) as f64 / (last_row - first_row).max(1) as f64;
+    (from + (to - from) * part).round() as i64
+}
+
+/// Beside the edge, as near to its middle as there is room in the picture between the other labels and, if possible, the
+/// other edges; in the middle where there is no room at all.
+fn place(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacles<'_>) -> Frame {
+    let (width, height) = canvas.room(label);
+    let (first_row, last_row) = (i64::from(range.first_row), i64::from(range.last_row));
+    let middle = (first_row + last_row) / 2;
+    let gap = 3 * canvas.scale();
+    let beside = |row: i64, is_right: bool| {
+        let column = column_at(range, row);
+        let left = if is_right { column + gap } else { column - gap - width };
+        let top = row - height / 2;
+        Frame { left, top, right: left + width, bottom: top + height }
+    };
+    let steps = (last_row - first_row) / (2 * height);
+    let rows = (0..=steps).flat_map(|step| [middle - step * height, middle + step * height]);
+    let places = rows.flat_map(|row| [beside(row, true), beside(row, false)]);
+    let inside = places.filter(|place| place.is_within(&canvas.frame()) && !obstacles.labels_overlap(place));
+    let mut clear = inside.clone().filter(|place| !obstacles.edges_cross(place));
+    clear.next().or_else(|| inside.clone().next()).unwrap_or_else(|| beside(middle, true))
+}

@@ -1,0 +1,87 @@
+//! Ranges as a table for people.
+
+use std::fmt::Write;
+
+use super::report::{Document, Frame, RangeReport, Status};
+use super::rounding::{decimals, with_sigma};
+use super::text_table::{Colour, TextTable};
+
+const HEADINGS: [&str; 10] = [
+    "column@row (px)",
+    "bearing",
+    "depth (m)",
+    "2-sigma interval (m)",
+    "sigma from",
+    "line",
+    "rows",
+    "edges",
+    "polarity",
+    "status",
+];
+
+pub(crate) fn text(document: &Document, colours: bool) -> String {
+    let mut text = String::new();
+    for (index, frame) in document.frames.iter().enumerate() {
+        if index > 0 {
+            text.push('\n');
+        }
+        write_frame(frame, colours, &mut text);
+    }
+    text
+}
+
+fn write_frame(frame: &Frame, colours: bool, text: &mut String) {
+    let _ = writeln!(text, "{}{}", frame.name, if frame.torn { " (torn)" } else { "" });
+    if frame.ranges.is_empty() {
+        text.push_str("no ranges\n");
+    } else {
+        let mut table = TextTable::new(HEADINGS, colours);
+        for range in &frame.ranges {
+            table.row(cells(range), colour(range.status));
+        }
+        table.write_to(text);
+    }
+    if frame.stray_edges > 0 {
+        let _ = writeln!(text, "{} stray edges: they belong to no line", frame.stray_edges);
+    }
+    if frame.dropped_edges > 0 || frame.dropped_lines > 0 {
+        let (edges, lines) = (frame.dropped_edges, frame.dropped_lines);
+        let _ = writeln!(text, "dropped for want of room: {edges} edges, {lines} lines");
+    }
+}
+
+fn cells(range: &RangeReport) -> [String; 10] {
+    let depth = range.depth_m.zip(range.sigma_depth_m);
+    [
+        format!("{:.2}@{}", range.column_at_first_row, range.first_row),
+        format!("{:+.4}", range.bearing),
+        depth.map_or_else(|| "-".to_string(), |(depth, sigma)| with_sigma(depth, sigma, 2)),
+        interval(range),
+        range.dominant.to_string(),
+        range.line_id.map_or_else(|| "-".to_string(), |id| id.to_string()),
+        format!("{}-{}", range.first_row, range.last_row),
+        range.edges.to_string(),
+        range.polarity.unwrap_or("-").to_string(),
+        range.status.name().to_string(),
+    ]
+}
+
+fn colour(status: Status) -> Colour {
+    match status {
+        Status::Ok => Colour::Green,
+        Status::Far | Status::Slow => Colour::Yellow,
+        Status::Inconsistent | Status::Bent => Colour::Red,
+        Status::Short => Colour::Grey,
+    }
+}
+
+fn interval(range: &RangeReport) -> String {
+    match (range.nearest_m, range.farthest_m) {
+        (Some(nearest), Some(farthest)) => {
+            let decimals = decimals(farthest - nearest, 2);
+            format!("[{nearest:.decimals$}, {farthest:.decimals$}]")
+        }
+        (Some(nearest), None) => format!("[{nearest:.*}, ∞)", decimals(nearest, 3)),
+        (None, _) => "-".to_string(),
+    }
+}

@@ -1,0 +1,427 @@
+//! [`Profile`]: what a tracked edge looks like, and where the next row has it.
+//!
+//! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its rows
+//! so far tell both levels and the blur, the maximum-likelihood estimate is a step or a few from the prediction: the row minus
+//! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
+
+use super::moments::Sums;
+use super::point::{Edge, Polarity};
+use super::scan::{ScannedEdge, Scanner};
+use super::spread_function::Template;
+use super::window::{Look, Neighbours, Side, plateau};
+
+/// Levels, blur and noise of a tracked edge, running means over its rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Profile {
+    /// Brightness on the left and on the right, in 1/65536 grey level.
+    levels_q16: [u32; 2],
+    /// One sigma of the edge's blur, in 1/4096 px.
+    blur_q12: u16,
+    rows: u16,
+    /// Variance of a pixel's noise, in 1/65536 square grey level.
+    noise_q16: u32,
+    /// Mean difference between a row's own level and the running mean, left and right.
+    unrest_q8: [u16; 2],
+    /// One sigma of the pixels' noise when the line was confirmed.
+    white_q8: u16,
+    /// Rows with texture on either side.
+    restless_rows: u16,
+}
+
+/// What one row says, given the profile.
+struct Fit {
+    /// Column minus the expected one.
+    shift_q16: i64,
+    /// Width of the template that fits best, and that of the edge, whatever the lens.
+    template_q12: i64,
+    width_q12: i64,
+    /// Residual variance of a pixel.
+    residual_q16: i64,
+    sigma_q16: i64,
+    /// The row's own levels minus the mean ones.
+    off_q16: [i64; 2],
+}
+
+/// Of a sharp lens, half a pixel, and the pixel itself.
+const LEAST_BLUR_Q8: u16 = 148;
+/// What an edge is taken to be blurred at least before more is known.
+const USUAL_BLUR_Q8: u16 = 195;
+const MOST_BLUR_Q8: u16 = 12 << 8;
+/// Beyond this a row's first look tells the blur only roughly.
+const LONG_BLUR_Q8: u16 = 4 << 8;
+/// Of [`Profile::settled`].
+const MOST_STEPS: usize = 6;
+/// How far the scanner may draw an edge away from a neighbour, and how far apart, one found and one drawn, they must be: nearer ones
+/// hide each other's levels. So far as the noise tells.
+const MOST_DRAWN_Q16: i64 = 5 << 14;
+const LEAST_APART_Q16: i64 = 5 << 16;
+const SURE_SIGMA_Q16: u32 = 1 << 13;
+/// Of [`Profile::locate`].
+const MOST_CORRECTIONS: usize = 3;
+
+/// Least contrast in 1/256 grey level.
+const LEAST_CONTRAST_Q8: i32 = 4 << 8;
+/// Rows that tell of texture, at first and beyond doubt.
+const FEW_RESTLESS_ROWS: u16 = 4;
+const MANY_RESTLESS_ROWS: u16 = 12;
+/// Rounding to whole grey levels alone.
+const LEAST_NOISE_Q16: u32 = 65536 / 12;
+
+impl Profile {
+    /// From an edge that a row shows on its own.
+    fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
+        let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
+        let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
+        let mut profile =
+            Self { levels_q16: [0; 2], blur_q12, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8, restless_rows: 0 };
+        profile.look_beside(pixels, i64::from(edge.column_q16), around)?;
+        profile.is_of(edge).then_some(profile)
+    }
+
+    /// The same with levels and blur of that row found each from the other: a long blur's width is only guessed at first, and
+    /// noise may have broken it into pieces.
+    pub(crate) fn settled(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+        let mut column_q16 = i64::from(edge.column_q16);
+        for _ in 0..MOST_STEPS {
+            let fit = profile.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
+            let (blur_q12, blur_q16) = (profile.blur_q12, i64::from(profile.blur_q12) << 4);
+            column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
+            profile.widen(fit.template_q12, 1);
+            profile.look_beside(pixels, column_q16, around)?;
+            if profile.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
+                break;
+            }
+        }
+        profile.is_of(edge).then_some(profile)
+    }
+
+    /// Takes the levels from the plateaus of a row.
+    fn look_beside(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) -> Option<()> {
+        let reach_q16 = i64::from(Template::new(self.blur_q8()).reach_q8()) << 8;
+        let side = |side| plateau(pixels, column_q16, reach_q16, side, around);
+        self.levels_q16 = [side(Side::Left)?, side(Side::Right)?];
+        Some(())
+    }
+
+    fn is_of(&self, edge: &Edge) -> bool {
+        let polarity = if self.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
+        polarity == edge.polarity && self.contrast_q8().abs() >= LEAST_CONTRAST_Q8
+    }
+
+    /// One part of `parts` of the way to another blur.
+    fn widen(&mut self, width_q12: i64, parts: i64) {
+        let blur_q12 = i64::from(self.blur_q12);
+        let wider_q12 = width_q12.min(2 * blur_q12).max(blur_q12 / 2);
+        self.blur_q12 = toward(self.blur_q12, wider_q12, parts).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
+    }
+
+    fn levels_q8(&self) -> [i64; 2] {
+        self.levels_q16.map(|level_q16| i64::from(level_q16 >> 8))
+    }
+
+    fn contrast_q8(&self) -> i32 {
+        let [left_q8, right_q8] = self.levels_q8();
+        (right_q8 - left_q8) as i32
+    }
+
+    const fn blur_q8(&self) -> u16 {
+        self.blur_q12 >> 4
+    }
+
+    /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
+    pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
+        let learn = if edge.width_q8 > LONG_BLUR_Q8 { Self::settled } else { Self::new };
+        let mut profile = learn(pixels, edge, around, noise_q8)?;
+        let column_q16 = i64::from(edge.column_q16);
+        let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
+        let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
+        let found = profile.locate(pixels, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
+        let is_sure = found.sigma_q16 < SURE_SIGMA_Q16;
+        if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
+            return None;
+        }
+        let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
+        Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
+    }
+
+    /// The edge near the expected column, and a better profile; `None` where the row shows something else, or where it is farther off
+    /// than the gate, or than its noise and what the expected column may itself be drawn aside. What is found must
+    /// not depend on what was expected, or a line would go on where it once went astray: more steps where the first one is large.
+    pub(crate) fn locate(
+        &mut self,
+        pixels: &[u8],
+        expected_q16: i64,
+        gate_q16: i64,
+        drawn_q16: i64,
+        around: Neighbours,
+    ) -> Option<ScannedEdge> {
+        let expected = i32::try_from(expected_q16).ok()?;
+        let mut fit = self.fit(pixels, expected, around)?;
+        let blur_q16 = i64::from(self.blur_q12) << 4;
+        let mut from_q16 = expected_q16;
+        for _ in 0..MOST_CORRECTIONS {
+            if fit.shift_q16.abs() <= blur_q16 / 8 {
+                break;
+            }
+            from_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
+            fit = self.fit(pixels, i32::try_from(from_q16).ok()?, around)?;
+        }
+        fit.shift_q16 += from_q16 - expected_q16;
+        let fits = fit.shift_q16.abs() <= gate_q16.min((4 * fit.sigma_q16 + blur_q16 / 4).max(drawn_q16))
+            && fit.residual_q16 <= 9 * i64::from(self.noise_q16) + (1 << 18);
+        if !fits {
+            return None;
+        }
+        // The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
+        let half_q8 = i64::from(self.blur_q8() / 2);
+        let width_q8 = (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16;
+        self.learn(&fit);
+        Some(ScannedEdge {
+            column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
+            sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
+            width_q8,
+            contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
+        })
+    }
+
+    fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
+        let template = Template::new(self.blur_q8());
+        let expected = i64::from(expected_q16);
+        if !self.is_alone(expected, around, pixels.len()) {
+            return None;
+        }
+        let look = Look::new(pixels, expected, &template, around)?;
+        let of_means = look.sums(&template, self.levels_q8());
+        let off_q16 = of_means.off_q16;
+        let (sums, [left_q8, right_q8], residual_slope) = self.with_own_levels(&look, &template, of_means)?;
+        let contrast = i64::from(self.contrast_q8()) + right_q8 - left_q8;
+        if !self.is_alike(contrast) || !sums.shows_edge() {
+            return None;
+        }
+        let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
+        let shift_q16 = (-box_q16 * residual_slope).checked_div(contrast * slope_slope)?;
+        let wider_q12 = |(residual, square): (i64, i64)| -> Option<i64> {
+            let off_q12 = 16 * i64::from(template.per_widening_q8) * residual;
+            Some(i64::from(self.blur_q12) + off_q12.checked_div(contrast * square.max(1))?)
+        };
+        let [template_q12, width_q12] = sums.widening().map(wider_q12);
+        let explained = (sums.residual_slope.checked_div(slope_slope)? * sums.residual_slope) >> 15;
+        Some(Fit {
+            shift_q16,
+            template_q12: template_q12?,
+            width_q12: width_q12?,
+            residual_q16: (sums.residual_residual - explained).max(0).checked_div(sums.pixels - 1)?,
+            sigma_q16: self.sigma_q16(&sums, (box_q16 << 8).checked_div(contrast.abs())?)?,
+            off_q16,
+        })
+    }
+
+    /// Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
+    fn is_alone(&self, column_q16: i64, around: Neighbours, columns: usize) -> bool {
+        let clear_q16 = (2 * i64::from(self.blur_q8()) + 256) << 8;
+        let border_q16 = (columns as i64 - 1) << 16;
+        column_q16 - clear_q16 >= around.left_q16.max(0) && column_q16 + clear_q16 <= around.right_q16.min(border_q16)
+    }
+
+    /// Whether an edge of this contrast is of the same kind: not so much weaker that it would only add noise, and at most twice as
+    /// strong.
+    fn is_alike(&self, contrast_q8: i64) -> bool {
+        let usual_q8 = i64::from(self.contrast_q8());
+        contrast_q8 * usual_q8.signum() * 3 >= usual_q8.abs() * 2 && contrast_q8.abs() <= 2 * usual_q8.abs()
+    }
+
+    /// The sums with the levels that the row itself shows, what these are above the mean ones, and the product of residual and slope.
+    fn with_own_levels(&self, look: &Look<'_>, template: &Template, of_means: Sums) -> Option<(Sums, [i64; 2], i64)> {
+        let (mut sums, [left_mean_q8, right_mean_q8]) = (of_means, self.levels_q8());
+        if self.is_restless() {
+            // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
+            // plateau, an error of the width would shift the edge.
+            sums.free_levels(look.level_sums(template, [left_mean_q8, right_mean_q8]))?;
+            let (change_q8, residual_slope) = (sums.off_q16.map(|off_q16| off_q16 >> 8), sums.residual_slope);
+            return Some((sums, change_q8, residual_slope));
+        }
+        let [left_q8, right_q8] = self.departure(sums.off_q16);
+        if left_q8 != 0 || right_q8 != 0 {
+            sums = look.sums(template, [left_mean_q8 + left_q8, right_mean_q8 + right_q8]);
+        }
+        let residual_slope = sums.residual_slope_of_plateaus();
+        Some((sums, [left_q8, right_q8], residual_slope))
+    }
+
+    /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong. `per_grey`
+    /// is b/A in 1/65536 px and grey level.
+    fn sigma_q16(&self, sums: &Sums, per_grey: i64) -> Option<i64> {
+        let slope_slope = sums.slope_slope >> 15;
+        // With S the slope and n pixels on a plateau, 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
+        let of_flank_q16 = (1_i64 << 31).checked_div(slope_slope)?;
+        let half_q8 = (sums.slope << 7).checked_div(slope_slope)?;
+        let of_levels_q16: i64 = sums.plateau_pixels.iter().map(|pixels| half_q8 * half_q8 / pixels.max(&1)).sum();
+        let variance_q16 = (i64::from(self.noise_q16) * (of_flank_q16 + of_levels_q16)) >> 16;
+        Some((per_grey * root(variance_q16)) >> 8)
+    }
+
+    /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
+    /// another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
+    fn departure(&self, off_q16: [i64; 2]) -> [i64; 2] {
+        // Three sigma of a mean over four pixels: squares, in 1/2³² square grey level.
+        let most_q32 = (i64::from(self.noise_q16) << 16) * 9 / 4;
+        off_q16.map(|off_q16| if off_q16 * off_q16 > most_q32 { off_q16 >> 8 } else { 0 })
+    }
+
+    /// Whether many of the rows have texture beside the edge.
+    pub(crate) const fn is_beside_texture(&self) -> bool {
+        self.restless_rows >= FEW_RESTLESS_ROWS && self.restless_rows > self.rows / 4
+    }
+
+    /// Whether that is so beyond doubt.
+    pub(crate) const fn is_surely_beside_texture(&self) -> bool {
+        self.restless_rows >= MANY_RESTLESS_ROWS && self.is_beside_texture()
+    }
+
+    /// Whether one of the rows' own levels has changed lately by more than noise explains.
+    fn is_restless(&self) -> bool {
+        self.unrest_q8.iter().any(|unrest| self.is_unrest(*unrest))
+    }
+
+    /// 0.4 sigma for a mean over four pixels is noise.
+    fn is_unrest(&self, unrest_q8: u16) -> bool {
+        u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
+    }
+
+    /// Running means: a small part of each new row, more at first.
+    fn learn(&mut self, fit: &Fit) {
+        self.rows = self.rows.saturating_add(1);
+        let rows = i64::from(self.rows);
+        // A few rows of something else are no texture.
+        let most_q8 = 4 * i64::from(self.white_q8);
+        for ((mean_q16, unrest_q8), off_q16) in self.levels_q16.iter_mut().zip(&mut self.unrest_q8).zip(fit.off_q16) {
+            *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
+            add(mean_q16, off_q16, rows.min(32));
+        }
+        self.restless_rows = self.restless_rows.saturating_add(u16::from(self.is_restless()));
+        self.widen(fit.template_q12, rows.min(16));
+        let noise = i64::from(self.noise_q16);
+        let residual = fit.residual_q16.min(4 * noise + (1 << 16));
+        self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
+    }
+}
+
+/// One part of `parts` of the way to `to`.
+fn toward(from: u16, to: i64, parts: i64) -> u16 {
+    let value = i64::from(from);
+    (value + (to - value) / parts.max(1)).clamp(0, i64::from(u16::MAX)) as u16
+}
+
+/// Adds one part of `parts` to a level, in 1/65536 grey level.
+fn add(level_q16: &mut u32, off_q16: i64, parts: i64) {
+    *level_q16 = (i64::from(*level_q16) + off_q16 / parts.max(1)).clamp(0, 255 << 16) as u32;
+}
+
+fn root(square: i64) -> i64 {
+    (square.max(0) as u64).isqrt() as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Neighbours, Profile};
+    use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
+    use crate::{Camera, Distortion, Edge, Intrinsics, Line, Readout, Scanner, Twist};
+
+    const ROWS: u16 = 240;
+    const FOCAL_PX: f32 = 300.0;
+    const SPEED_M_S: f32 = 1.5;
+    /// Rows that may be refused while levels and blur settle.
+    const SETTLING: u16 = 16;
+
+    /// What came out of the rows of one edge.
+    struct Outcome {
+        mean_width_px: f64,
+        /// Standard deviations of the rows' columns and widths, and what is stated for the column.
+        column_px: f64,
+        width_px: f64,
+        stated_px: f64,
+    }
+
+    fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
+        let count = values.clone().count() as f64;
+        let mean = values.clone().sum::<f64>() / count;
+        libm::sqrt(values.map(|value| (value - mean) * (value - mean)).sum::<f64>() / (count - 1.0))
+    }
+
+    /// An edge 1 m away that a lens blurs and the exposure smears over `path_px`, row after row where it is.
+    fn follow(lens_px: f32, path_px: f32, seed: u64) -> Outcome {
+        let camera = Camera::new(Intrinsics::centred(320, ROWS, FOCAL_PX), Distortion::NONE).unwrap();
+        let readout = Readout::from_frame_readout_ns(ROWS, 33_333_333, Default::default()).unwrap();
+        let exposure = Exposure {
+            time_s: path_px / (FOCAL_PX * SPEED_M_S),
+            psf_sigma_px: lens_px,
+            read_noise: 2.0,
+            shot_gain: 0.03,
+        };
+        let mut scene = Scene::<1>::new(Background::plain(60.0)).unwrap();
+        scene.push(Bar::upright(2.02, 1.0, 4.0, 170.0)).unwrap();
+        let motion = Twist::level([SPEED_M_S, 0.0, 0.0]).unwrap();
+        let simulator = Simulator::new(&scene, &camera, &readout, &motion, exposure, seed).unwrap();
+        let column = |row| {
+            let time_s = readout.row_time_ns(row) as f64 * 1e-9;
+            159.5 + f64::from(FOCAL_PX) * (0.02 - f64::from(SPEED_M_S) * time_s)
+        };
+        let (mut scanner, mut pixels) = (Scanner::new(), [0; 320]);
+        simulator.row(0, &mut pixels);
+        let mut first = Edge::new(0, 0, 0);
+        scanner.scan(&pixels, |edge| first = edge.at(0, 0));
+        let mut profile = Profile::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
+        let mut line: Line<16> = Line::new(first);
+        let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
+        for row in 1..ROWS {
+            simulator.row(row, &mut pixels);
+            let expected_q16 = (column(row) * 65536.0) as i64;
+            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
+                assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
+                continue;
+            };
+            let off_px = f64::from(edge.column_q16) / 65536.0 - column(row);
+            let sigma_px = f64::from(edge.sigma_q16) / 65536.0;
+            found[usize::from(row)] = (off_px, f64::from(edge.width_q8) / 256.0, sigma_px);
+            line.push(edge.at(row, readout.row_time_ns(row))).unwrap();
+        }
+        // As the line's mean, which leaves the rows out in which the profile settles.
+        let settled = &found[SETTLING.into()..];
+        Outcome {
+            mean_width_px: line.mean_width_px().unwrap(),
+            column_px: deviation(settled.iter().map(|row| row.0)),
+            width_px: deviation(settled.iter().map(|row| row.1)),
+            stated_px: settled.iter().map(|row| row.2).sum::<f64>() / settled.len() as f64,
+        }
+    }
+
+    /// The width is a measurement of its own: unbiased whatever the lens and the motion, of stated noise, and a line's mean
+    /// of n rows has √n times less.
+    #[test]
+    fn width_and_its_noise() {
+        const LINES: u8 = 12;
+        for lens_px in [0.5, 0.7, 1.0] {
+            for path_px in [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 28.0] {
+                let variance = lens_px * lens_px + (1.0 + path_px * path_px) / 12.0;
+                let width_px = libm::sqrt(f64::from(variance));
+                let lines = || (1..=LINES).map(|seed| follow(lens_px, path_px, seed.into()));
+                let mean =
+                    |value: fn(&Outcome) -> f64| lines().map(|line| value(&line)).sum::<f64>() / f64::from(LINES);
+                let bias = mean(|line| line.mean_width_px) / width_px - 1.0;
+                let column = mean(|line| line.column_px) / mean(|line| line.stated_px);
+                let width = mean(|line| line.width_px) / mean(|line| line.stated_px);
+                let means: heapless::Vec<f64, 12> = lines().map(|line| line.mean_width_px).collect();
+                let rows = f64::from(ROWS - SETTLING);
+                let line = deviation(means.into_iter()) * libm::sqrt(rows) / mean(|line| line.width_px);
+                let of = format_args!("lens {lens_px}, path {path_px}");
+                assert!(bias.abs() < 0.01, "{of}: bias {bias:+.4}");
+                assert!((0.92..1.08).contains(&column), "{of}: columns {column:.3} of their sigma");
+                assert!((0.9..2.0).contains(&width), "{of}: widths {width:.3} of the column's sigma");
+                assert!((0.4..1.5).contains(&line), "{of}: a line's width {line:.2} of what its rows' say");
+            }
+        }
+    }
+}

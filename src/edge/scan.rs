@@ -1,0 +1,369 @@
+//! [`Scanner`]: one row of pixels in, its edges out, in integers.
+//!
+//! Two looks at a row. A coarse one sums blocks of 16 pixels and keeps those whose sum differs from its neighbour's by more
+//! than noise can explain: plain sums, at the speed of memory. A fine one, there alone, slides the difference of two
+//! windows of four pixels over the row: each run of one sign beyond the noise is an edge, and the run's centroid its column.
+
+use super::point::{Edge, Polarity};
+
+/// An edge as one row shows it, on its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ScannedEdge {
+    /// Column in 1/65536 px; pixel centres are at whole numbers.
+    pub column_q16: i32,
+    /// One standard deviation of the column's noise in 1/65536 px.
+    pub sigma_q16: u32,
+    /// Width of the edge (one sigma of its blur, the pixel's own included) in 1/256 px.
+    pub width_q8: u16,
+    /// Brightness on the right minus that on the left, in grey levels.
+    pub contrast: i16,
+}
+
+impl ScannedEdge {
+    /// Dark to bright or bright to dark.
+    #[must_use]
+    pub const fn polarity(&self) -> Polarity {
+        if self.contrast < 0 { Polarity::Falling } else { Polarity::Rising }
+    }
+
+    /// As an edge of a row that is read at `time_ns` since frame start.
+    #[must_use]
+    pub const fn at(&self, row: u16, time_ns: i64) -> Edge {
+        Edge {
+            time_ns,
+            column_q16: self.column_q16,
+            sigma_q16: self.sigma_q16,
+            row,
+            width_q8: self.width_q8,
+            polarity: self.polarity(),
+        }
+    }
+}
+
+/// Finds the edges of rows; remembers nothing but how restless the last rows were. 12 bytes.
+///
+/// The thresholds follow the rows themselves, so that neither exposure nor gain needs tuning: an edge counts where the
+/// difference of two neighbouring windows of four pixels exceeds four sigma of what is usual in these rows, be that noise or
+/// texture, and six grey levels.
+///
+/// *Limits*: an edge within eight pixels of the border is not seen, nor anything in rows below 32 pixels. *Cost*: one
+/// addition per pixel, and about ten operations per pixel near something.
+///
+/// ```
+/// use shutter_range::Scanner;
+/// let mut row = [40_u8; 64];
+/// row[32..].fill(200);
+/// row[31] = 120; // half covered: the edge is in the middle of pixel 31
+/// let mut scanner = Scanner::new();
+/// let mut edges = 0;
+/// scanner.scan(&row, |edge| {
+///     assert_eq!((edge.column_q16 + (1 << 8)) >> 9, 31 << 7);
+///     edges += 1;
+/// });
+/// assert_eq!(edges, 1);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Scanner {
+    /// Median size of the second difference of pixels.
+    second_q8: u32,
+    /// Median size of the sliding difference.
+    difference_q8: u32,
+    rows: u32,
+}
+
+const BLOCK: usize = 16;
+const PAIR: usize = 2 * BLOCK;
+/// Blocks that are looked at together.
+const GROUP: usize = 32;
+/// Half the width of the sliding difference.
+const WINDOW: usize = 4;
+/// Sum of squares of the offsets in the sliding difference, per unit of its area: its own variance as a blur, times 2.
+const OWN_VARIANCE_Q1: i64 = 5;
+/// No noise is taken to be smaller: that of rounding to whole grey levels.
+const LEAST_NOISE_Q8: u32 = 74;
+/// Least sliding difference that counts: six grey levels.
+const LEAST_DIFFERENCE: u32 = 24;
+
+impl Scanner {
+    /// Edges that are so far apart do not share windows.
+    pub(crate) const SEES_ALONE_Q16: i64 = (2 * WINDOW as i64) << 16;
+
+    /// A scanner that has seen nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { second_q8: 0, difference_q8: 0, rows: 0 }
+    }
+
+    /// One sigma of a pixel's noise as the rows so far show it, in 1/256 grey level.
+    #[must_use]
+    pub const fn noise_q8(&self) -> u32 {
+        // A second difference has √6 times the noise, and a median 0.6745 times sigma.
+        let noise_q8 = self.second_q8 / 64 * 39;
+        if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
+    }
+
+    /// Scans a row, dark 0 to bright 255, and hands over its edges from left to right.
+    pub fn scan(&mut self, pixels: &[u8], mut found: impl FnMut(ScannedEdge)) {
+        self.learn(pixels);
+        let noise_q8 = self.noise_q8();
+        let difference = sigma_of(self.difference_q8).max(self.difference_of_noise_q8()).max(LEAST_DIFFERENCE << 6);
+        let least = (4 * difference) >> 8;
+        // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding difference.
+        coarse(pixels, 2 * least, |from, to| fine(pixels, from, to, least as i32, noise_q8, &mut found));
+    }
+
+    /// Whether what is usual in these rows is more than noise.
+    pub(crate) fn is_restless(&self) -> bool {
+        sigma_of(self.difference_q8) > 2 * self.difference_of_noise_q8()
+    }
+
+    /// One sigma of a sliding difference, which sums eight pixels.
+    fn difference_of_noise_q8(&self) -> u32 {
+        self.noise_q8() * 181 / 64
+    }
+
+    /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly
+    /// disturb: an upright edge is in the same place row after row.
+    fn learn(&mut self, pixels: &[u8]) {
+        // Some four pairs a row are plenty, others in each row.
+        let every = if self.rows == 0 { 1 } else { (pixels.len() / (8 * BLOCK)).max(2) };
+        let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
+        let from_first = pixels.get(first * PAIR..).unwrap_or_default();
+        let pairs = || from_first.chunks((every * PAIR).max(PAIR)).filter_map(|pixels| pixels.get(..PAIR));
+        if self.rows == 0 {
+            self.second_q8 = usual_size(|| pairs().map(second_difference));
+            self.difference_q8 = usual_size(|| pairs().map(sliding_difference));
+        }
+        for pair in pairs() {
+            approach(&mut self.second_q8, second_difference(pair));
+            approach(&mut self.difference_q8, sliding_difference(pair));
+        }
+        self.rows = self.rows.wrapping_add(1);
+    }
+}
+
+/// One sigma of normal values from their median size.
+fn sigma_of(median: u32) -> u32 {
+    median * 95 / 64
+}
+
+/// Moves a median in 1/256 towards a value by a small step.
+fn approach(median_q8: &mut u32, value: u32) {
+    let step = *median_q8 / 32 + 8;
+    *median_q8 = if value << 8 > *median_q8 { *median_q8 + step } else { median_q8.saturating_sub(step) };
+}
+
+fn sum(pixels: &[u8]) -> i32 {
+    pixels.iter().map(|pixel| i32::from(*pixel)).sum()
+}
+
+/// Of three pixels in the middle of a pair of blocks; sigma is √6 times the noise.
+fn second_difference(pair: &[u8]) -> u32 {
+    let at = |index| pair.get(index).map_or(0, |pixel| i32::from(*pixel));
+    (at(BLOCK - 1) - 2 * at(BLOCK) + at(BLOCK + 1)).unsigned_abs()
+}
+
+fn sliding_difference(pair: &[u8]) -> u32 {
+    let (left, right) = pair.split_at(BLOCK.min(pair.len()));
+    let near = |half: &[u8]| sum(half.get(half.len().saturating_sub(WINDOW)..).unwrap_or_default());
+    (sum(right.get(..WINDOW).unwrap_or_default()) - near(left)).unsigned_abs()
+}
+
+/// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.
+fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
+    let mean_up_to = |limit: u32| {
+        let (sum, count) = values().filter(|value| *value <= limit).fold((0, 0), |(s, n), value| (s + value, n + 1));
+        (sum << 8_u32).checked_div(count).unwrap_or(0)
+    };
+    // Three times the mean keeps 98 % of what is normal, whose median is 0.85 of its mean.
+    let rough = mean_up_to(u32::MAX);
+    let finer = mean_up_to((rough * 2) >> 8);
+    mean_up_to((finer * 3) >> 8) * 7 / 8
+}
+
+/// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
+fn coarse(pixels: &[u8], limit: u32, mut stretch: impl FnMut(usize, usize)) {
+    let limit = u16::try_from(limit).unwrap_or(u16::MAX);
+    let mut open: Option<(usize, usize)> = None;
+    let mut last: Option<u16> = None;
+    let mut at = 0;
+    for group in pixels.chunks(BLOCK * GROUP) {
+        // The sum before, then those of the group; both loops are simple enough for vector instructions.
+        let mut sums = [0_u16; GROUP + 1];
+        let filled = group.len() / BLOCK;
+        for (sum, block) in sums.iter_mut().skip(1).zip(group.chunks_exact(BLOCK)) {
+            *sum = block.iter().map(|pixel| u16::from(*pixel)).sum();
+        }
+        let [before, first, ..] = &mut sums;
+        *before = last.unwrap_or(*first);
+        last = sums.get(filled).copied();
+        let steps = || sums.iter().zip(sums.iter().skip(1)).take(filled).map(|(a, b)| a.abs_diff(*b));
+        let mut differing = 0_u64;
+        if steps().fold(0, u16::max) > limit {
+            for (index, step) in steps().enumerate() {
+                differing |= u64::from(step > limit) << index;
+            }
+        }
+        while differing != 0 {
+            let block = at + differing.trailing_zeros() as usize;
+            differing &= differing - 1;
+            // The edge is in one of the two blocks, or its flanks reach into their neighbours.
+            let (from, to) = (block.saturating_sub(1), block + 1);
+            add_stretch(&mut open, (from, to), &mut stretch);
+        }
+        at += filled;
+    }
+    // The pixels beyond the last whole block, with as many before them as make a block.
+    let tail = pixels.len().saturating_sub(BLOCK);
+    let tail_sum = pixels.get(tail..).map(|block| block.iter().map(|pixel| u16::from(*pixel)).sum::<u16>());
+    let differs = |sum: u16| last.is_some_and(|last| sum.abs_diff(last) > limit);
+    let blocks = pixels.len() / BLOCK;
+    let (tail_from, to_end) = (blocks.saturating_sub(1), pixels.len().div_ceil(BLOCK));
+    if blocks < to_end && tail_sum.is_some_and(differs) {
+        add_stretch(&mut open, (tail_from, to_end), &mut stretch);
+    }
+    if let Some((start, end)) = open {
+        stretch(start * BLOCK, end * BLOCK);
+    }
+}
+
+/// Joins blocks to the stretch before them if they touch, or hands that one over and opens another.
+fn add_stretch(open: &mut Option<(usize, usize)>, (from, to): (usize, usize), stretch: &mut impl FnMut(usize, usize)) {
+    match open {
+        Some((_, end)) if from <= *end => *end = to,
+        _ => {
+            if let Some((start, end)) = open.replace((from, to)) {
+                stretch(start * BLOCK, end * BLOCK);
+            }
+        }
+    }
+}
+
+/// What a run of differences of one sign has come to.
+#[derive(Clone, Copy)]
+struct Run {
+    sign: i32,
+    /// Position of the run's first difference.
+    start: usize,
+    area: i64,
+    moment: i64,
+    second: i64,
+    length: i64,
+    peak: i32,
+    /// Lowest difference since the peak.
+    valley: i32,
+}
+
+impl Run {
+    fn begin(sign: i32, start: usize, size: i32) -> Self {
+        let area = i64::from(size);
+        Self { sign, start, area, moment: 0, second: 0, length: 1, peak: size, valley: size }
+    }
+
+    fn extend(&mut self, size: i32) {
+        let (x, d) = (self.length, i64::from(size));
+        self.area += d;
+        self.moment += d * x;
+        self.second += d * x * x;
+        self.length += 1;
+        if size >= self.peak {
+            (self.peak, self.valley) = (size, size);
+        } else {
+            self.valley = self.valley.min(size);
+        }
+    }
+
+    /// A second hill after a valley of less than half the height is another edge.
+    fn rises_again(&self, size: i32, least: i32) -> bool {
+        self.valley * 2 < self.peak && size > self.valley + least.max(self.peak / 4)
+    }
+
+    fn edge(&self, noise_q8: u32) -> Option<ScannedEdge> {
+        let area = self.area.max(1);
+        // A step of contrast A adds up to 16 A.
+        let contrast = (area + 8) >> 4;
+        let off_q16 = (self.moment << 16) / area;
+        // Position k is the boundary between pixels k − 1 and k.
+        let column_q16 = ((self.start as i64) << 16) + off_q16 - (1 << 15);
+        let variance_q16 = (self.second << 16) / area - ((off_q16 * off_q16) >> 16);
+        let own_q16 = OWN_VARIANCE_Q1 << 15;
+        // Not below the blur of a pixel alone.
+        let blur_q16 = (variance_q16 - own_q16).max(1 << 13);
+        let sigma_q16 = (u64::from(noise_q8) << 8) * (self.length as u64 * 256).isqrt() / (16 * contrast.max(1) as u64);
+        Some(ScannedEdge {
+            column_q16: i32::try_from(column_q16).ok()?,
+            sigma_q16: u32::try_from(sigma_q16).ok()?.max(1),
+            width_q8: u16::try_from((blur_q16 as u64).isqrt()).ok()?,
+            contrast: i16::try_from(contrast * i64::from(self.sign)).ok()?,
+        })
+    }
+}
+
+/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise.
+fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedEdge)) {
+    let from = from.saturating_sub(2 * WINDOW);
+    let to = (to + 2 * WINDOW).min(pixels.len());
+    let Some(stretch) = pixels.get(from..to).filter(|stretch| stretch.len() > 2 * WINDOW) else {
+        return;
+    };
+    let mut run: Option<Run> = None;
+    let mut close = |run: Run| {
+        // A run that begins where the look begins may have begun before it, and its centroid would be aside.
+        if let Some(edge) = run.edge(noise_q8).filter(|_| run.start > from + WINDOW) {
+            found(edge);
+        }
+    };
+    let mut take = |difference: i32, position: usize, run: &mut Option<Run>| {
+        let size = difference.abs();
+        let sign = if size > least { difference.signum() } else { 0 };
+        match run {
+            Some(open) if open.sign == sign && !open.rises_again(size, least) => open.extend(size),
+            _ => {
+                if let Some(ended) = run.take() {
+                    close(ended);
+                }
+                *run = (sign != 0).then(|| Run::begin(sign, position, size));
+            }
+        }
+    };
+    // Position k of the stretch compares the pixels before k + 4 with those from there on.
+    let positions = stretch.len() - 2 * WINDOW + 1;
+    let mut next = 0;
+    while next < positions {
+        let rest = stretch.get(next..).unwrap_or_default();
+        let quiet = run.is_none() && rest.first_chunk().is_some_and(|pixels| is_quiet(pixels, least));
+        if !quiet {
+            slide(rest, BLOCK.min(positions - next), |index, difference| {
+                take(difference, from + WINDOW + next + index, &mut run);
+            });
+        }
+        next += BLOCK;
+    }
+    // Likewise one that has not ended by the end.
+}
+
+/// Hands over the first `count` sliding differences.
+fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
+    let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
+    let mut difference = sum(right.get(..WINDOW).unwrap_or_default()) - sum(left);
+    take(0, difference);
+    // The window moves by one: what enters on the right, changes sides, and leaves on the left.
+    let moves = pixels.iter().zip(right).zip(right.iter().skip(WINDOW));
+    for (index, ((leaves, changes), enters)) in moves.enumerate().take(count.saturating_sub(1)) {
+        difference += i32::from(*enters) - 2 * i32::from(*changes) + i32::from(*leaves);
+        take(index + 1, difference);
+    }
+}
+
+/// Whether none of a block's sliding differences counts; simple enough for vector instructions.
+fn is_quiet(pixels: &[u8; BLOCK + 2 * WINDOW - 1], least: i32) -> bool {
+    let from = |index| pixels.iter().skip(index).map(|pixel| i16::from(*pixel));
+    let mut sums = [0_i16; BLOCK + WINDOW];
+    for ((((sum, a), b), c), d) in sums.iter_mut().zip(from(0)).zip(from(1)).zip(from(2)).zip(from(3)) {
+        *sum = a + b + c + d;
+    }
+    let differences = sums.iter().zip(sums.iter().skip(WINDOW)).map(|(left, right)| (right - left).abs());
+    i32::from(differences.fold(0, i16::max)) <= least
+}

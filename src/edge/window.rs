@@ -1,0 +1,127 @@
+//! [`Look`]: the pixels around an edge, and what they say for and against an expected profile.
+
+use super::moments::{LevelSums, Sums};
+use super::point::Edge;
+use super::spread_function::Template;
+
+/// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Neighbours {
+    pub(crate) left_q16: i64,
+    pub(crate) right_q16: i64,
+}
+
+impl Neighbours {
+    /// None near enough to matter.
+    pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+
+    /// Whether one of them is.
+    pub(crate) const fn is_nearer_than(&self, distance_q16: i64, column_q16: i64) -> bool {
+        column_q16 - self.left_q16 < distance_q16 || self.right_q16 - column_q16 < distance_q16
+    }
+
+    /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
+    /// noise breaks a long blur.
+    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
+        let mut around = Self::NONE;
+        for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
+            if column_q16 < edge.column_q16 {
+                around.left_q16 = around.left_q16.max(i64::from(column_q16));
+            } else if column_q16 > edge.column_q16 {
+                around.right_q16 = around.right_q16.min(i64::from(column_q16));
+            }
+        }
+        around
+    }
+}
+
+/// Pixels of plateau on either side that tell its level.
+const PLATEAU: i64 = 4;
+
+/// The pixels around an edge: its flank, and a plateau on either side.
+pub(crate) struct Look<'p> {
+    flank: &'p [u8],
+    plateaus: [&'p [u8]; 2],
+    /// Of the flank's first pixel from the expected column.
+    off_q8: i32,
+}
+
+impl<'p> Look<'p> {
+    pub(crate) fn new(pixels: &'p [u8], column_q16: i64, template: &Template, around: Neighbours) -> Option<Self> {
+        let reach_q16 = i64::from(template.reach_q8()) << 8;
+        let (from_q16, to_q16) = view(column_q16, reach_q16, around);
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
+        // At least the outermost pixels tell the levels.
+        let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + 1);
+        let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - 1);
+        let part = |from: i64, to: i64| pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?);
+        Some(Self {
+            flank: part(flank_from, flank_to)?,
+            plateaus: [part(from, flank_from)?, part(flank_to, to)?],
+            off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
+        })
+    }
+
+    /// What the flank says of the levels themselves, given those to expect.
+    pub(crate) fn level_sums(&self, template: &Template, levels_q8: [i64; 2]) -> LevelSums {
+        let mut sums = LevelSums::default();
+        let [left_q8, right_q8] = levels_q8;
+        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
+            let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
+            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
+        }
+        sums
+    }
+
+    /// Given the levels to expect.
+    pub(crate) fn sums(&self, template: &Template, levels_q8: [i64; 2]) -> Sums {
+        let mut sums = Sums::default();
+        let [left_q8, right_q8] = levels_q8;
+        let contrast_q8 = right_q8 - left_q8;
+        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
+            let expected_q8 = left_q8 + ((contrast_q8 * i64::from(place.step)) >> 15);
+            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
+        }
+        let [left, right] = self.plateaus;
+        sums.plateau_pixels = [left.len() as i64, right.len() as i64];
+        sums.off_q16 = [off_q16(left, left_q8), off_q16(right, right_q8)];
+        sums
+    }
+}
+
+/// Mean of a plateau minus what is expected.
+fn off_q16(plateau: &[u8], level_q8: i64) -> i64 {
+    let sum: u32 = plateau.iter().map(|pixel| u32::from(*pixel)).sum();
+    (i64::from(sum) << 16) / (plateau.len() as i64).max(1) - (level_q8 << 8)
+}
+
+/// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
+/// half the way to it.
+fn view(column_q16: i64, reach_q16: i64, around: Neighbours) -> (i64, i64) {
+    // The longer the blur, the more a wrong level shifts the edge.
+    let far_q16 = 2 * reach_q16 + (PLATEAU << 16);
+    let left = (around.left_q16 + reach_q16).min((column_q16 + around.left_q16) / 2);
+    let right = (around.right_q16 - reach_q16).max((column_q16 + around.right_q16) / 2);
+    ((column_q16 - far_q16).max(left), (column_q16 + far_q16).min(right))
+}
+
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Side {
+    Left,
+    Right,
+}
+
+/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
+pub(crate) fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
+    let (left, right) = view(column, reach_q16, around);
+    let (from, to) = match side {
+        Side::Left => (left, (column - reach_q16).max(left)),
+        Side::Right => ((column + reach_q16).min(right), right),
+    };
+    let from = ((from + (1 << 15)) >> 16).max(0);
+    let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
+    let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
+    // Fewer than 256 pixels: the sum fits 16 bits.
+    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
+    (sum << 16).checked_div(window.len() as u32)
+}

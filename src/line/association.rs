@@ -1,0 +1,106 @@
+//! [`Sweep`]: which edge of a row belongs to which line.
+
+use core::iter::Peekable;
+
+use crate::edge::Edge;
+
+/// Where a line should cross a row, and how far off an edge there may lie.
+#[derive(Clone, Copy)]
+pub(crate) struct Prediction {
+    pub(crate) column_q16: i64,
+    pub(crate) gate_q16: i64,
+    /// So near to another line of its kind that an edge there could be of either: it takes none.
+    pub(crate) coasting: bool,
+}
+
+/// A line or an edge on the way from left to right.
+#[derive(Clone, Copy)]
+enum Item {
+    Edge(Edge),
+    Line { slot: usize, gate_q16: i64, coasting: bool },
+}
+
+/// An edge and a line that may belong together.
+#[derive(Clone, Copy)]
+pub(crate) struct Pair {
+    pub(crate) edge: Edge,
+    pub(crate) slot: usize,
+    distance_q16: i64,
+    pub(crate) coasting: bool,
+}
+
+/// What has become of an edge.
+pub(crate) enum Settled {
+    Joined(Pair),
+    Alone(Edge),
+}
+
+/// Matches edges to lines, both in the order of their columns: each other's nearest belong together.
+pub(crate) struct Sweep<I: Iterator<Item = (Prediction, usize)>> {
+    lines: Peekable<I>,
+    /// The item before, if it is not yet settled.
+    previous: Option<(i64, Item)>,
+    /// The pair that the item before forms with the one before it.
+    pair: Option<Pair>,
+}
+
+impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
+    pub(crate) fn over(lines: I) -> Self {
+        Self { lines: lines.peekable(), previous: None, pair: None }
+    }
+
+    /// Takes the next edge; `settle` hears of those whose fate is now known, in the order of columns.
+    pub(crate) fn edge(&mut self, edge: Edge, settle: &mut impl FnMut(Settled)) {
+        let column = i64::from(edge.column_q16);
+        while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
+            self.advance(Some(item_of(&line, slot)), settle);
+        }
+        self.advance(Some((column, Item::Edge(edge))), settle);
+    }
+
+    pub(crate) fn finish(mut self, settle: &mut impl FnMut(Settled)) {
+        while let Some((line, slot)) = self.lines.next() {
+            self.advance(Some(item_of(&line, slot)), settle);
+        }
+        self.advance(None, settle);
+    }
+
+    /// Two neighbours of different kind are a pair unless one of them is nearer to its neighbour on the other side.
+    fn advance(&mut self, next: Option<(i64, Item)>, settle: &mut impl FnMut(Settled)) {
+        let pair = match (self.previous, next) {
+            (Some(left), Some(right)) => pair_up(left, right),
+            _ => None,
+        };
+        let nearer = match (&self.pair, &pair) {
+            (Some(before), Some(now)) => now.distance_q16 < before.distance_q16,
+            (None, Some(_)) => true,
+            (_, None) => false,
+        };
+        match (self.pair.take(), self.previous.take()) {
+            // The line before leaves its edge for a nearer one.
+            (Some(left), Some((_, Item::Line { .. }))) if nearer => settle(Settled::Alone(left.edge)),
+            (Some(_), _) if nearer => {}
+            (Some(left), _) => settle(Settled::Joined(left)),
+            (None, Some((_, Item::Edge(edge)))) if !nearer => settle(Settled::Alone(edge)),
+            (None, _) => {}
+        }
+        self.pair = pair.filter(|_| nearer);
+        self.previous = next;
+    }
+}
+
+fn item_of(line: &Prediction, slot: usize) -> (i64, Item) {
+    (line.column_q16, Item::Line { slot, gate_q16: line.gate_q16, coasting: line.coasting })
+}
+
+/// An edge and a line within the line's gate.
+fn pair_up(left: (i64, Item), right: (i64, Item)) -> Option<Pair> {
+    let distance_q16 = right.0 - left.0;
+    match (left.1, right.1) {
+        (Item::Edge(edge), Item::Line { slot, gate_q16, coasting })
+        | (Item::Line { slot, gate_q16, coasting }, Item::Edge(edge)) => {
+            (distance_q16 <= gate_q16).then_some(Pair { edge, slot, distance_q16, coasting })
+        }
+        _ => None,
+    }
+}

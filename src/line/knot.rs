@@ -1,0 +1,48 @@
+//! [`Knot`]: the edges of a span of rows, summed.
+
+use crate::edge::Edge;
+
+/// Sums over the edges of a span of rows, counted from the line's first edge. Sums are exact and know no order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Knot {
+    pub(crate) columns_q16: i64,
+    pub(crate) times_ns: i64,
+    pub(crate) variances_q32: u64,
+    pub(crate) rows: u32,
+    pub(crate) widths_q8: u32,
+    pub(crate) edges: u16,
+    /// Number of edges whose width was measured.
+    pub(crate) widths: u16,
+}
+
+impl Knot {
+    pub(crate) const EMPTY: Self =
+        Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, edges: 0, widths: 0 };
+
+    pub(super) fn of(edge: &Edge, first: &Edge) -> Self {
+        // A sum of 65535 squares fits; a sigma of zero would be an infinite weight.
+        let sigma = u64::from(edge.sigma_q16.clamp(1, Edge::MAX_SIGMA_Q16));
+        let variance = sigma * sigma;
+        Self {
+            columns_q16: i64::from(edge.column_q16) - i64::from(first.column_q16),
+            times_ns: edge.time_ns.saturating_sub(first.time_ns),
+            variances_q32: variance,
+            rows: u32::from(edge.row.abs_diff(first.row)),
+            widths_q8: u32::from(edge.width_q8),
+            edges: 1,
+            widths: u16::from(edge.width_q8 > 0),
+        }
+    }
+
+    /// Only times can saturate, and not those of edges that a [`Ranger`](crate::Ranger) has checked.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.columns_q16 = self.columns_q16.saturating_add(other.columns_q16);
+        self.times_ns = self.times_ns.saturating_add(other.times_ns);
+        self.variances_q32 = self.variances_q32.saturating_add(other.variances_q32);
+        self.rows = self.rows.saturating_add(other.rows);
+        self.widths_q8 = self.widths_q8.saturating_add(other.widths_q8);
+        self.edges = self.edges.saturating_add(other.edges);
+        self.widths = self.widths.saturating_add(other.widths);
+    }
+}

@@ -1,0 +1,14 @@
+//! From edge points to lines, in integers.
+
+mod knot;
+mod line;
+mod association;
+mod track;
+mod counters;
+mod tracker;
+
+pub use counters::Counters;
+pub(crate) use knot::Knot;
+pub use line::{Line, OutOfOrder};
+pub(crate) use track::RowTime;
+pub use tracker::Tracker;

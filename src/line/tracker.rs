@@ -1,0 +1,371 @@
+//! [`Tracker`]: from a stream of edges in row order to lines.
+
+use heapless::Vec;
+
+use super::association::{Pair, Prediction, Settled, Sweep};
+use super::counters::Counters;
+use super::line::Line;
+use super::track::{RowTime, State, Track};
+use crate::edge::{Edge, Neighbours, Polarity, Profile};
+use crate::setup::Limits;
+
+/// Lines of a frame under way: at most `LINES` of `KNOTS` knots each.
+///
+/// Every row's edges are matched to the lines' predicted columns: an edge and a line of the same polarity that are each
+/// other's nearest, within the gate, belong together. An edge that matches nothing begins a tentative line. Lines that
+/// have missed too many rows end; a full table refuses the newcomer, counts it, and never loses a confirmed line.
+///
+/// *Cost*: per row an insertion sort of the lines, which hardly change places, and for each polarity a sweep over edges and
+/// lines together.
+#[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Tracker<const LINES: usize, const KNOTS: usize> {
+    tracks: [Option<Track<KNOTS>>; LINES],
+    counters: Counters,
+    /// Places of the lines under way and of those that wait to be taken.
+    under_way: Vec<u16, LINES>,
+    ended: Vec<u16, LINES>,
+    /// No place before this one is free.
+    occupied: usize,
+}
+
+/// Where a line has been found: edges of its polarity near there are its own.
+struct Explained {
+    column_q16: i64,
+    reach_q16: i64,
+    polarity: Polarity,
+}
+
+/// A row with more edges that belong to no confirmed line is crowded.
+const MOST_EDGES_APART: usize = 1;
+/// Most that [`Explained::reach_q16`] can be.
+const MAX_REACH_Q16: i64 = 34 << 16;
+
+/// A line under way, as a row sees it.
+struct Candidate {
+    prediction: Prediction,
+    slot: usize,
+    state: State,
+    polarity: Polarity,
+    /// Within this distance two edges cannot be told apart: by their noise, or their blur.
+    blur_q16: i64,
+}
+
+impl Candidate {
+    /// Whether the other one is another edge: within its own blur, one of the same polarity is a piece of it.
+    fn is_ended_by(&self, other: &Self) -> bool {
+        let apart_q16 = (other.prediction.column_q16 - self.prediction.column_q16).abs();
+        other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16
+    }
+}
+
+impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
+    /// An empty tracker.
+    #[must_use]
+    pub const fn new() -> Self {
+        let counters = Counters { dropped_edges: 0, dropped_lines: 0, stray_edges: 0 };
+        const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
+        let tracks = [const { None }; LINES];
+        Self { tracks, counters, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
+    }
+
+    /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
+    /// be left out, rows without edges should be given, since lines end by missing rows.
+    pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
+        self.occupied = 0;
+        if !edges.is_empty() {
+            let mut predictions = Vec::new();
+            self.predict(limits, row, &mut predictions);
+            for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
+                self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
+            }
+        }
+        self.count_missed(limits, row);
+        self.join_pieces(limits, row);
+    }
+
+    /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
+    /// to lie in line by chance.
+    pub(crate) fn count_crowds(&mut self, edges: &[Edge], is_restless: bool) {
+        let is_crowded = is_restless || edges.len() > MOST_EDGES_APART;
+        for place in &self.under_way {
+            if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
+                let beside_texture = track.profile.is_some_and(|profile| profile.is_beside_texture());
+                if (is_crowded || beside_texture) && !track.is_hidden() {
+                    track.line.count_crowded_row();
+                }
+            }
+        }
+    }
+
+    /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
+    /// of those that the row shows on its own. To be called before [`Tracker::row`] takes the rest.
+    pub(crate) fn refine<const EDGES: usize>(
+        &mut self,
+        limits: &Limits,
+        at: RowTime,
+        pixels: &[u8],
+        edges: &mut Vec<Edge, EDGES>,
+    ) {
+        let mut explained: Vec<Explained, LINES> = Vec::new();
+        // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
+        let mut candidates: Vec<Candidate, LINES> = Vec::new();
+        self.predict(limits, at.row, &mut candidates);
+        candidates.retain(|candidate| candidate.state == State::Confirmed);
+        for (index, candidate) in candidates.iter().enumerate() {
+            let Some(Some(track)) = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting)
+            else {
+                continue;
+            };
+            let ends = |other: &&Candidate| candidate.is_ended_by(other);
+            let column = |other: Option<&Candidate>| other.map(|other| other.prediction.column_q16);
+            let around = Neighbours {
+                left_q16: column(candidates.iter().take(index).rfind(ends)).unwrap_or(Neighbours::NONE.left_q16),
+                right_q16: column(candidates.iter().skip(index + 1).find(ends)).unwrap_or(Neighbours::NONE.right_q16),
+            };
+            if let Some(edge) = track.locate(&candidate.prediction, at, pixels, around) {
+                let reach_q16 = (5 << 16) / 2 + i64::from(edge.width_q8) * 640;
+                if track.take(edge, limits) {
+                    let (column_q16, polarity) = (i64::from(edge.column_q16), edge.polarity);
+                    // One per line at most.
+                    let at = explained.partition_point(|other| other.column_q16 <= column_q16);
+                    let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity });
+                }
+            }
+        }
+        let mut nearby = 0;
+        edges.retain(|edge| {
+            let column = i64::from(edge.column_q16);
+            nearby += explained.iter().skip(nearby).take_while(|e| e.column_q16 + MAX_REACH_Q16 < column).count();
+            !explained
+                .iter()
+                .skip(nearby)
+                .take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column)
+                .any(|e| e.polarity == edge.polarity && (e.column_q16 - column).abs() <= e.reach_q16)
+        });
+    }
+
+    /// Learns what newly confirmed lines look like from the row that they were last seen in.
+    pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
+        for place in &self.under_way {
+            let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Option::as_ref);
+            let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.profile.is_none();
+            let Some(edge) = track(place).filter(is_new).map(|track| *track.line.last()) else { continue };
+            if edge.row == row {
+                let others = self.under_way.iter().filter_map(track).map(|track| track.line.last());
+                let around = Neighbours::among(others.filter(|other| other.row == row), &edge);
+                let profile = Profile::settled(pixels, &edge, around, noise_q8);
+                if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
+                    track.profile = profile;
+                    track.line.mark_as_of_pixels();
+                }
+            }
+        }
+    }
+
+    /// Forgets all lines under way, counting their edges as stray: the frame is torn.
+    pub(crate) fn abandon(&mut self) {
+        for place in &self.under_way {
+            if let Some(slot) = self.tracks.get_mut(usize::from(*place)) {
+                let edges = slot.take().map_or(0, |track| track.line.edges());
+                self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
+            }
+        }
+        self.under_way.clear();
+    }
+
+    /// Ends all confirmed lines and forgets the tentative ones.
+    pub fn end_frame(&mut self) {
+        while let Some(place) = self.under_way.pop() {
+            self.finish(place);
+        }
+    }
+
+    /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
+    pub fn next_line(&mut self) -> Option<Line<KNOTS>> {
+        let place = self.ended.pop()?;
+        self.tracks.get_mut(usize::from(place))?.take().map(|track| track.line)
+    }
+
+    /// Places of the lines that have ended; [`Tracker::next_line`] takes the last one.
+    pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = usize> {
+        self.ended.iter().map(|place| usize::from(*place))
+    }
+
+    pub(crate) fn line_at(&self, place: usize) -> Option<&Line<KNOTS>> {
+        self.tracks.get(place)?.as_ref().map(|track| &track.line)
+    }
+
+    /// What was dropped since the tracker was made.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    pub(crate) fn count_dropped_edge(&mut self) {
+        self.counters.dropped_edges = self.counters.dropped_edges.saturating_add(1);
+    }
+
+    /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
+    /// hidden ones would leave no place for what they wait for.
+    fn has_room_to_join(&self) -> bool {
+        let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.as_ref());
+        let hidden = tracks.filter(|track| track.is_hidden()).count();
+        self.under_way.len() + self.ended.len() + hidden <= LINES
+    }
+
+    /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
+    fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
+        let room = self.has_room_to_join();
+        for place in &self.under_way {
+            let slot = usize::from(*place);
+            let track = self.tracks.get(slot).and_then(Option::as_ref);
+            // One per slot at most.
+            if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
+                let (state, polarity) = (track.state, track.line.first().polarity);
+                let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
+                let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
+                let _ = predictions.insert(at, Candidate { prediction, slot, state, polarity, blur_q16 });
+            }
+        }
+        // Lines hardly change places: the next row finds them almost in order.
+        let order = predictions.iter().map(|candidate| candidate.slot as u16);
+        if predictions.len() == self.under_way.len() {
+            self.under_way.iter_mut().zip(order).for_each(|(place, slot)| *place = slot);
+        }
+        let mut rest: &mut [Candidate] = predictions;
+        while let Some((first, others)) = rest.split_first_mut() {
+            if let Some(second) =
+                others.iter_mut().find(|other| other.state == first.state && other.polarity == first.polarity)
+            {
+                let near_q16 = first.blur_q16.max(second.blur_q16);
+                let apart_q16 = second.prediction.column_q16 - first.prediction.column_q16;
+                if first.state == State::Confirmed && apart_q16 < near_q16 {
+                    first.prediction.coasting = true;
+                    second.prediction.coasting = true;
+                }
+            }
+            rest = others;
+        }
+    }
+
+    /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
+    /// not take its edges. What matches nothing begins a line.
+    fn match_edges<'e>(
+        &mut self,
+        limits: &Limits,
+        candidates: &[Candidate],
+        edges: impl Iterator<Item = &'e Edge>,
+        polarity: Polarity,
+    ) {
+        let lines = |state| {
+            let among = move |candidate: &&Candidate| candidate.state == state && candidate.polarity == polarity;
+            candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
+        };
+        let mut confirmed = Sweep::over(lines(State::Confirmed));
+        let mut tentative = Sweep::over(lines(State::Tentative));
+        let last = |settled, tracker: &mut Self| match settled {
+            Settled::Joined(pair) => tracker.join(&pair, limits),
+            Settled::Alone(edge) => tracker.begin(edge),
+        };
+        let mut first = |settled, tracker: &mut Self| match settled {
+            Settled::Joined(pair) => tracker.join(&pair, limits),
+            Settled::Alone(edge) => tentative.edge(edge, &mut |settled| last(settled, tracker)),
+        };
+        for edge in edges {
+            confirmed.edge(*edge, &mut |settled| first(settled, self));
+        }
+        confirmed.finish(&mut |settled| first(settled, self));
+        tentative.finish(&mut |settled| last(settled, self));
+    }
+
+    fn join(&mut self, pair: &Pair, limits: &Limits) {
+        if pair.coasting {
+            return;
+        }
+        let taken = match self.tracks.get_mut(pair.slot) {
+            Some(Some(track)) => track.take_scanned(pair.edge, limits),
+            _ => false,
+        };
+        if !taken {
+            self.begin(pair.edge);
+        }
+    }
+
+    /// A young line may be a piece of one that is hidden: that goes on with it.
+    fn join_pieces(&mut self, limits: &Limits, row: u16) {
+        let mut index = 0;
+        while let Some(place) = self.under_way.get(index).copied() {
+            if self.join_piece(limits, row, place).is_some() && index < self.under_way.len() {
+                self.under_way.swap_remove(index);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    fn join_piece(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
+        let slot = usize::from(place);
+        let young = self.tracks.get(slot)?.as_ref().filter(|young| young.is_young() && young.line.last().row == row)?;
+        let others = self.under_way.iter().filter_map(|other| {
+            let older = self.tracks.get(usize::from(*other))?.as_ref()?;
+            Some((older.continued_by(young, limits)?, *other))
+        });
+        let (_, nearest) = others.min()?;
+        let young = self.tracks.get_mut(slot)?.take()?;
+        let joined = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.go_on_as(&young);
+        if !joined {
+            *self.tracks.get_mut(slot)? = Some(young);
+            return None;
+        }
+        Some(())
+    }
+
+    /// Begins a tentative line, if there is room.
+    fn begin(&mut self, edge: Edge) {
+        let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, track)| track.is_none());
+        match free {
+            Some((slot, free)) => {
+                *free = Some(Track::new(edge));
+                self.occupied = slot + 1;
+                // A place for each slot.
+                let _ = self.under_way.push(slot as u16);
+            }
+            None => {
+                self.occupied = LINES;
+                self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
+            }
+        }
+    }
+
+    fn count_missed(&mut self, limits: &Limits, row: u16) {
+        let mut index = 0;
+        while let Some(place) = self.under_way.get(index).copied() {
+            let track = self.tracks.get_mut(usize::from(place)).and_then(Option::as_mut);
+            if track.is_some_and(|track| track.has_missed_too_many(limits, row)) {
+                self.under_way.swap_remove(index);
+                self.finish(place);
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    /// Ends a confirmed line and drops a tentative one.
+    fn finish(&mut self, place: u16) {
+        let Some(slot) = self.tracks.get_mut(usize::from(place)) else { return };
+        if slot.as_ref().is_some_and(|track| track.state == State::Confirmed) {
+            // A place for each slot.
+            let _ = self.ended.push(place);
+        } else {
+            let edges = slot.take().map_or(0, |track| track.line.edges());
+            self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
+        }
+    }
+}
+
+impl<const LINES: usize, const KNOTS: usize> Default for Tracker<LINES, KNOTS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,40 @@
+//! Checks of vectors that come from outside.
+
+use crate::error::ParameterError;
+use crate::scalar::{Scalar, dot};
+
+/// Faster than anything that carries a camera, and far from overflow in fixed point.
+const MAX_SPEED_M_S: i32 = 10_000;
+const MAX_RATE_RAD_S: i32 = 1_000;
+
+pub(crate) fn checked_velocity<S: Scalar>(velocity_m_s: [S; 3]) -> Result<[S; 3], ParameterError> {
+    check("velocity_m_s", velocity_m_s, MAX_SPEED_M_S, "finite, at most 10000 (m/s)")?;
+    Ok(velocity_m_s)
+}
+
+pub(crate) fn checked_rate<S: Scalar>(rate_rad_s: [S; 3]) -> Result<[S; 3], ParameterError> {
+    check("rate_rad_s", rate_rad_s, MAX_RATE_RAD_S, "finite, at most 1000 (rad/s)")?;
+    Ok(rate_rad_s)
+}
+
+/// As a unit vector.
+pub(crate) fn checked_direction<S: Scalar>(gravity: [S; 3]) -> Result<[S; 3], ParameterError> {
+    check("gravity", gravity, 1_000, "finite, at most 1000 (only its direction counts)")?;
+    let length = dot(gravity, gravity).sqrt();
+    if !(length >= S::ratio(1, 1_000)) {
+        return Err(ParameterError::new("gravity", length.to_f64(), "a direction: at least 0.001 long"));
+    }
+    Ok(gravity.map(|component| component / length))
+}
+
+fn check<S: Scalar>(
+    name: &'static str,
+    vector: [S; 3],
+    limit: i32,
+    expected: &'static str,
+) -> Result<(), ParameterError> {
+    match vector.into_iter().find(|c| !(c.is_finite() && c.abs() <= S::from_i32(limit))) {
+        Some(component) => Err(ParameterError::new(name, component.to_f64(), expected)),
+        None => Ok(()),
+    }
+}

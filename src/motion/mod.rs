@@ -1,0 +1,15 @@
+//! Where the camera is at any time of a frame, and where down is.
+
+mod turn;
+mod motion;
+mod checked;
+mod twist;
+mod sensor_clock;
+mod sample_buffer;
+mod trajectory;
+
+pub(crate) use checked::checked_direction;
+pub use motion::{Motion, Pose};
+pub use sensor_clock::{Stamps, StreamClock};
+pub use trajectory::{FrameMotion, Streams, Trajectory};
+pub use twist::Twist;

@@ -1,0 +1,142 @@
+//! [`BlurWitness`]: what the blur of an edge says of its motion, whatever its lean.
+
+use super::equation::{BelievedRow, Row};
+use super::line3::LineInSpace;
+use super::observation::Sight;
+use super::sample::Sample;
+use super::shared_error::Cause;
+use crate::line::{Knot, Line};
+use crate::motion::Motion;
+use crate::scalar::{Scalar, hypot};
+use crate::setup::{Camera, MotionBlur};
+
+/// The blur that motion has added to an edge, as a measurement of its path during the exposure.
+///
+/// Of the edge's variance, lens² + 1/12 + B²/12, the path B belongs to the motion, whatever the lean.
+///
+/// *Source*: blur = |slope caused by motion| · exposure / line time.
+#[derive(Clone, Copy)]
+pub(crate) struct BlurWitness<S> {
+    /// Where the middle of the line is seen at the beginning and at the end of the exposure.
+    ends: [Sight<S>; 2],
+    /// Variance of the edge.
+    measured_px2: S,
+    /// One sigma of it from noise and from the shape of the profile.
+    pub(crate) sigma_px2: S,
+    pub(crate) lens_px: S,
+    sigma_lens_px: S,
+}
+
+impl<S: Scalar> BlurWitness<S> {
+    /// From the mean width of a line and its sigma; `middle` is somewhere in its middle.
+    pub(crate) fn new<M: Motion<S>>(
+        camera: &Camera<S>,
+        motion: &M,
+        blur: &MotionBlur<S>,
+        middle: &Sample<S>,
+        (width_px, sigma_px): (S, S),
+    ) -> Option<Self> {
+        let half = blur.exposure_s * S::ratio(1, 2);
+        let at = |time_s: S| {
+            Sight::new(camera, motion, &Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px))
+        };
+        let measured = width_px * width_px;
+        let of_noise = (width_px + width_px) * sigma_px;
+        let of_shape = measured * S::ratio(SHAPE_PERCENT, 100);
+        Some(Self {
+            ends: [at(middle.time_s - half)?, at(middle.time_s + half)?],
+            measured_px2: measured,
+            sigma_px2: hypot(of_noise, of_shape),
+            lens_px: blur.lens_blur_px,
+            sigma_lens_px: blur.sigma_lens_blur_px,
+        })
+    }
+
+    /// Variance that a still edge would have.
+    pub(crate) fn lens_and_pixel_px2(&self) -> S {
+        self.lens_px * self.lens_px + S::ratio(1, 12)
+    }
+
+    /// Path along the row during the exposure, in pixels with its sign.
+    pub(crate) fn path_px(&self, edge: &LineInSpace<S>) -> Option<S> {
+        let [begin, end] = &self.ends;
+        Some(edge.miss_px(begin)? - edge.miss_px(end)?)
+    }
+
+    /// One sigma of the variance, the lens's own blur included.
+    pub(crate) fn joint_sigma_px2(&self) -> S {
+        hypot(self.sigma_px2, self.per_lens_px() * self.sigma_lens_px)
+    }
+
+    /// By how much the measured variance exceeds what a path explains, in square pixels.
+    pub(crate) fn excess_px2(&self, path_px: S) -> S {
+        self.measured_px2 - self.lens_and_pixel_px2() - path_px * path_px * S::ratio(1, 12)
+    }
+
+    /// Change of the variance with the lens's blur.
+    fn per_lens_px(&self) -> S {
+        self.lens_px + self.lens_px
+    }
+
+    pub(crate) fn row(&self, edge: &LineInSpace<S>) -> Option<BelievedRow<S>> {
+        let path = self.path_px(edge)?;
+        // The path grows with the inverse depth but for what rotation contributes, which does not depend on it.
+        let [begin, end] = &self.ends;
+        let q = path * S::ratio(1, 6) * (edge.miss_per_inverse_depth(begin)? - edge.miss_per_inverse_depth(end)?);
+        Some(BelievedRow {
+            row: Row { one: S::ZERO, q, w: S::ZERO, y: self.excess_px2(path), root_weight: self.joint_sigma_px2() },
+            errors: Cause::Lens.alone(-self.per_lens_px()),
+        })
+    }
+}
+
+/// What the shape of the profile may cost of its variance, as one sigma in percent.
+const SHAPE_PERCENT: i32 = 2;
+
+/// What one edge tells of the lens: the variance of its blur that neither motion nor the pixel explains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LensWitness<S> {
+    /// In square pixels; noise can make it negative.
+    pub variance_px2: S,
+    /// One standard deviation.
+    pub sigma_px2: S,
+}
+
+impl<S: Scalar> LensWitness<S> {
+    pub(crate) fn new(witness: &BlurWitness<S>, path_px: S, sigma_of_path_px2: S) -> Self {
+        let lens = witness.lens_px;
+        Self {
+            variance_px2: lens * lens + witness.excess_px2(path_px),
+            sigma_px2: hypot(witness.sigma_px2, sigma_of_path_px2),
+        }
+    }
+}
+
+impl<const KNOTS: usize> Line<KNOTS> {
+    /// Mean of the measured widths of the edges (one sigma of blur) in pixels; `None` unless most were measured. The first knot,
+    /// in which the width settles, counts only where there is no other.
+    #[must_use]
+    pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
+        let sum = self.settled();
+        (sum.widths > sum.edges / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
+    }
+
+    /// One standard deviation of the mean width: each width has one to two times the noise of its column, the more the less
+    /// its shape is known.
+    pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
+        let sum = self.settled();
+        // The mean variance, over the number of widths.
+        let mean_q32 = (sum.variances_q32 / u64::from(sum.edges.max(1))).saturating_mul(4);
+        let of_mean_q32 = (mean_q32 / u64::from(sum.widths.max(1))).min(i64::MAX as u64);
+        S::from_ratio(of_mean_q32.isqrt() as i64, 1 << 16)
+    }
+
+    /// All knots but the first, unless it is the only one.
+    fn settled(&self) -> Knot {
+        let mut sum = Knot::EMPTY;
+        self.knots.iter().skip(usize::from(self.knots.len() > 1)).for_each(|knot| sum.add(knot));
+        sum
+    }
+}

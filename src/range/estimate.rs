@@ -1,0 +1,152 @@
+//! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance come with an interval.
+
+use super::budget::Budget;
+use super::goodness_of_fit::Straightness;
+use super::line_state::State;
+use super::status::RangeStatus;
+use crate::scalar::{Scalar, cross, dot};
+use crate::setup::Setup;
+
+/// Where an edge is, and how well that is known.
+///
+/// Inverse depth is Gaussian where depth is not: an edge at infinity is 0 ± sigma, a valid measurement.
+/// All values refer to frame start: the middle of the exposure of the row read first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Estimate<S> {
+    /// a = X/Z of the point where the edge's line crosses the camera's plane y = 0, positive to the right.
+    pub bearing: S,
+    /// ρ = 1/Z of that point in 1/m; zero is infinitely far.
+    pub inverse_depth_per_m: S,
+    /// Lean of the edge in the image plane as a slope, as far as the samples and the prior tell.
+    pub tilt: S,
+    /// One standard deviation of the bearing.
+    pub sigma_bearing: S,
+    /// One standard deviation of the inverse depth in 1/m: pixel noise, tilt, and all that the setup states; at most
+    /// [`Scalar::UNKNOWN`].
+    pub sigma_inverse_depth_per_m: S,
+    /// One standard deviation of the tilt; zero where it is not estimated.
+    pub sigma_tilt: S,
+    /// Correlation of bearing and inverse depth, −1 to 1.
+    pub correlation: S,
+    /// Which part of `sigma_inverse_depth_per_m` comes from where: what is the edge's own, and what moves all edges of a frame
+    /// together.
+    pub budget: Budget<S>,
+    /// Shortest distance to the edge's line, in units of its depth: |(a, 0, 1) × g|.
+    pub distance_per_depth: S,
+    /// Root mean square of the residuals in units of the stated noise: about 1 for a straight edge. Where it is
+    /// significantly larger, the sigmas have been enlarged by it.
+    pub misfit: S,
+    /// No straight edge fits.
+    pub bent: bool,
+}
+
+/// What a length is, and between which bounds it lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Interval<S> {
+    /// The most likely length and one standard deviation in metres; `None` unless the status is `Ok`.
+    pub estimate_m: Option<(S, S)>,
+    /// Lower bound in metres; `None` where the inverse depth is significantly negative, so that no length fits.
+    pub nearest_m: Option<S>,
+    /// Upper bound in metres; `None` where there is none.
+    pub farthest_m: Option<S>,
+}
+
+impl<S: Scalar> Estimate<S> {
+    pub(crate) fn new(state: &State<S>, setup: &Setup<S>, straightness: &Straightness<S>) -> Self {
+        let State { edge, covariance, effects } = state;
+        let across = cross([edge.bearing, S::ZERO, S::ONE], edge.gravity);
+        let total = effects.total(*covariance, setup, edge.bearing);
+        let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma;
+        let [correlation, _, _] = total.correlation;
+        // Nothing is known of an inverse depth that the motion does not show.
+        let known = sigma_inverse_depth_per_m < S::UNKNOWN;
+        Self {
+            bearing: edge.bearing,
+            inverse_depth_per_m: if known { edge.inverse_depth } else { S::ZERO },
+            tilt: edge.tilt,
+            sigma_bearing,
+            sigma_inverse_depth_per_m,
+            sigma_tilt,
+            correlation,
+            budget: effects.budget(covariance, setup, edge.bearing),
+            distance_per_depth: dot(across, across).sqrt(),
+            misfit: straightness.misfit,
+            bent: straightness.bent,
+        }
+    }
+
+    /// An estimate that says nothing.
+    pub(crate) fn nothing() -> Self {
+        Self {
+            bearing: S::ZERO,
+            inverse_depth_per_m: S::ZERO,
+            tilt: S::ZERO,
+            sigma_bearing: S::UNKNOWN,
+            sigma_inverse_depth_per_m: S::UNKNOWN,
+            sigma_tilt: S::ZERO,
+            correlation: S::ZERO,
+            budget: Budget::of_noise(S::UNKNOWN),
+            distance_per_depth: S::ONE,
+            misfit: S::ZERO,
+            bent: false,
+        }
+    }
+
+    /// What the numbers are worth; never [`RangeStatus::Short`] or [`RangeStatus::Sideways`].
+    #[must_use]
+    pub fn status(&self) -> RangeStatus {
+        let sigma = self.sigma_inverse_depth_per_m;
+        let three = sigma + sigma + sigma;
+        if self.bent {
+            RangeStatus::Bent
+        } else if !(sigma <= S::ratio(33, 100) && self.inverse_depth_per_m.is_finite()) {
+            RangeStatus::Slow
+        } else if self.inverse_depth_per_m > three {
+            RangeStatus::Ok
+        } else if self.inverse_depth_per_m < -three {
+            RangeStatus::Inconsistent
+        } else {
+            RangeStatus::Far
+        }
+    }
+
+    /// Depth Z (the paper's "vertical distance"), and its bounds at plus and minus `sigmas` of inverse depth.
+    #[must_use]
+    pub fn depth(&self, sigmas: S) -> Interval<S> {
+        self.interval(sigmas, S::ONE)
+    }
+
+    /// Shortest distance to the edge's line (level camera: Z/cos α, the paper's "distance"), and its bounds.
+    ///
+    /// The bounds leave the bearing's own sigma out: next to that of the depth it is nothing.
+    #[must_use]
+    pub fn distance(&self, sigmas: S) -> Interval<S> {
+        self.interval(sigmas, self.distance_per_depth)
+    }
+
+    /// Variances and covariance of (bearing, inverse depth): `[[aa, aρ], [aρ, ρρ]]`.
+    #[must_use]
+    pub fn covariance(&self) -> [[S; 2]; 2] {
+        let (a, rho) = (self.sigma_bearing, self.sigma_inverse_depth_per_m);
+        let mixed = self.correlation * a * rho;
+        [[a * a, mixed], [mixed, rho * rho]]
+    }
+
+    fn interval(&self, sigmas: S, factor: S) -> Interval<S> {
+        let (rho, sigma) = (self.inverse_depth_per_m, self.sigma_inverse_depth_per_m);
+        let length = |inverse: S| {
+            let length = factor / inverse;
+            (inverse > S::ZERO && length.is_finite()).then_some(length)
+        };
+        let estimate = if self.status() == RangeStatus::Ok { length(rho) } else { None };
+        Interval {
+            estimate_m: estimate.map(|length| (length, length * (sigma / rho))),
+            nearest_m: length(rho + sigma * sigmas),
+            farthest_m: length(rho - sigma * sigmas),
+        }
+    }
+}

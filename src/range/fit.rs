@@ -1,0 +1,300 @@
+//! [`fit`]: the exact estimator, from samples of one edge to its bearing and inverse depth.
+//!
+//! An upright edge is the line `P0 + λ g` with `P0 = Z (a, 0, 1)`. A pixel seen at time t looks along `d = R(t) r` from
+//! `p(t)`, and line and ray meet where `m · (P0 − p) = 0` with `m = d × g`. With the inverse depth ρ = 1/Z this is
+//! *linear* in (a, ρ) for any motion, rotation and attitude:
+//!
+//! ```text
+//! F = m · P = 0,   P = (a, 0, 1) − ρ p;     −F/m_x = δa + q δρ + w δβ,   q = −(m · p)/m_x
+//! ```
+//!
+//! β, the lean of the edge in the image plane, is the third unknown, with a prior. Every round linearises about the last
+//! estimate, so that the sums hold small residuals (single precision suffices) and the regressor q does not share the
+//! noise of the observation (no bias in forward motion). The rounds are solved by orthogonalisation: inverting the
+//! 3 × 3 normal matrix, whose condition is 10⁴ to 10⁶, would return nonsense in single precision.
+
+use heapless::Vec;
+
+use super::equation::{Row, Rows};
+use super::estimate::Estimate;
+use super::goodness_of_fit::Straightness;
+use super::least_squares::{Solution, solve};
+use super::line_state::State;
+use super::line3::LineInSpace;
+use super::observation::Sight;
+use super::prior::Belief;
+use super::sample::{Sample, Spread};
+use super::sensitivity::Effects;
+use crate::error::FitError;
+use crate::motion::Motion;
+use crate::scalar::{Scalar, cross, dot, hypot};
+use crate::setup::{Camera, Setup};
+
+/// Bearing, inverse depth and tilt of one edge with their covariance, from at most `N` samples.
+///
+/// The uncertainty of the setup is part of the covariance; its limits and readout are not used.
+///
+/// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
+///
+/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where tilt is free, at most
+/// 130 where samples must be left out; 40 `N` numbers of stack.
+///
+/// *Source*: `m · (P0 − p(t)) = 0`; for a level camera in translation along x this is the paper's equation (3).
+///
+/// ```
+/// use shutter_range::{Camera, Distortion, Intrinsics, Limits, Readout, Sample, Setup, Twist, Uncertainty, fit};
+/// let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f64), Distortion::NONE)?;
+/// let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
+/// let setup = Setup::new(camera, readout, Uncertainty::NONE, Limits::DEFAULT)?;
+/// let motion = Twist::level([-2.0, 0.0, 0.0])?; // to the left, so the edge wanders to the right
+/// let samples = [0.0, 0.01, 0.02, 0.03]
+///     .map(|time_s| Sample::point(300.0 + 600.0 * 2.0 * time_s / 4.0, 0.0, time_s, 0.1));
+/// let estimate = fit::<_, _, 8>(&setup, &motion, samples)?;
+/// assert!((estimate.inverse_depth_per_m - 1.0 / 4.0).abs() < 1e-12);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
+    setup: &Setup<S>,
+    motion: &M,
+    samples: impl IntoIterator<Item = Sample<S>>,
+) -> Result<Estimate<S>, FitError> {
+    let belief = Belief { state: None, blur: None };
+    fit_with::<S, M, N>(setup, motion, samples, &belief).map(|fitted| fitted.estimate)
+}
+
+/// An estimate, and what a next frame needs to go on from it.
+pub(crate) struct Fitted<S, const N: usize> {
+    pub(crate) estimate: Estimate<S>,
+    pub(crate) state: State<S>,
+    /// Which of the samples were of this edge.
+    pub(crate) kept: Vec<bool, N>,
+}
+
+/// [`fit`] with what is believed beforehand.
+pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
+    setup: &Setup<S>,
+    motion: &M,
+    samples: impl IntoIterator<Item = Sample<S>>,
+    belief: &Belief<S>,
+) -> Result<Fitted<S, N>, FitError> {
+    let mut problem = Problem { setup, belief, sights: sight_all::<S, M, N>(setup.camera(), motion, samples)? };
+    let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
+    let least = if free_tilt && belief.state.is_none() { 3 } else { 2 };
+    if problem.sights.len() < least {
+        return Err(FitError::TooFewSamples(problem.sights.len()));
+    }
+    // The linear problem is exact in the first round but for tilt, blur, weights and noise in q.
+    let start = match &belief.state {
+        Some(state) => state.edge,
+        None => problem.round(&LineInSpace::start(motion.gravity()), Round::First)?.edge,
+    };
+    let mut solved = problem.settle_in_front(&start)?;
+    for _ in 0..MAX_CLEANINGS {
+        let Some(doubtful) = problem.doubt_strangers(&solved) else { break };
+        if !problem.drop_strangers(&doubtful) {
+            break;
+        }
+        solved = problem.settle(&solved.edge)?;
+    }
+    let straightness = problem.straightness(&solved);
+    if straightness.significant {
+        // The noise was understated where the residuals are larger than chance allows; what is believed was not.
+        problem.sights.iter_mut().for_each(|sight| sight.sigma_px = sight.sigma_px * straightness.misfit);
+        solved = problem.settle(&solved.edge)?;
+    }
+    let Solved { edge, solution, rows } = solved;
+    let effects = Effects::of(&problem.sights, &edge, &rows, &solution, setup);
+    let state = State { edge, covariance: solution.covariance(), effects };
+    let estimate = Estimate::new(&state, setup, &straightness);
+    let mut kept = Vec::new();
+    for sight in &problem.sights {
+        // As many as there are sights; `collect` could panic.
+        let _ = kept.push(sight.kept);
+    }
+    Ok(Fitted { estimate, state, kept })
+}
+
+fn sight_all<S: Scalar, M: Motion<S>, const N: usize>(
+    camera: &Camera<S>,
+    motion: &M,
+    samples: impl IntoIterator<Item = Sample<S>>,
+) -> Result<Vec<Sight<S>, N>, FitError> {
+    let mut sights = Vec::new();
+    for (index, sample) in samples.into_iter().enumerate() {
+        let Spread { column_px, row_px, time_s } = sample.spread;
+        let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
+        if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
+            return Err(FitError::InvalidSample(index));
+        }
+        let sight = Sight::new(camera, motion, &sample).ok_or(FitError::InvalidSample(index))?;
+        sights.push(sight).map_err(|_| FitError::TooManySamples)?;
+    }
+    Ok(sights)
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Round {
+    /// Nothing is known yet: q is computed from the noisy observation itself.
+    First,
+    /// q is moved from the observed column to the predicted one.
+    Later,
+}
+
+fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> Option<Row<S>> {
+    let down = edge.direction();
+    let m = cross(sight.direction, down);
+    let dm = cross(sight.along_row, down);
+    let [mx, _, _] = m;
+    let [dmx, _, _] = dm;
+    // A tenth of its size for a level camera: below, one pixel of column is worth ten.
+    if !(mx.abs() > S::ratio(1, 10)) {
+        return None;
+    }
+    let miss = edge.offset(m, sight) - edge.inverse_depth * sight.covariance;
+    let per_px = edge.offset(dm, sight);
+    let mut q = -(dot(m, sight.position) + sight.covariance) / mx;
+    if round == Round::Later && per_px != S::ZERO {
+        q = q + (dot(dm, sight.position) + q * dmx) / mx * (miss / per_px);
+    }
+    let w = edge.offset(cross(sight.direction, edge.lean), sight) / mx;
+    Some(Row { one: S::ONE, q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px * sight.doubt })
+}
+
+const MAX_CLEANINGS: usize = 4;
+const DOUBTING_ROUNDS: usize = 16;
+/// Beyond so many times the usual deviation a sample may be of something else, or is.
+const DOUBTFUL: i32 = 3;
+const STRANGE: i32 = 4;
+const MOST_ROUNDS: usize = 8;
+
+struct Problem<'a, S, const N: usize> {
+    setup: &'a Setup<S>,
+    belief: &'a Belief<S>,
+    sights: Vec<Sight<S>, N>,
+}
+
+struct Solved<S, const N: usize> {
+    edge: LineInSpace<S>,
+    solution: Solution<S>,
+    rows: Rows<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Solved<S, N> {
+    /// Sum of the squares of all deviations, beliefs included.
+    fn cost(&self) -> S {
+        let squares = self.rows.iter().map(|row| self.solution.deviation(row)).map(|off| off * off);
+        squares.fold(S::ZERO, |sum, square| sum + square)
+    }
+}
+
+impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+    fn round(&self, edge: &LineInSpace<S>, round: Round) -> Result<Solved<S, N>, FitError> {
+        let mut rows = Rows::new();
+        for (index, sight) in self.sights.iter().enumerate() {
+            let mut row = observe(sight, edge, round).ok_or(FitError::Sideways(index))?;
+            if !sight.kept {
+                row.root_weight = S::ZERO;
+            }
+            // As many rows as sights.
+            let _ = rows.observed.push(row);
+        }
+        self.belief.observe(self.setup, edge, &mut rows);
+        let solution = solve(&mut rows);
+        Ok(Solved { edge: solution.apply(edge), solution, rows })
+    }
+
+    /// More rounds, until one changes next to nothing: mostly two. What does not settle is no straight edge: one round tells roughly
+    /// where it is.
+    fn settle(&self, edge: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
+        let mut solved = self.round(edge, Round::Later)?;
+        for _ in 1..MOST_ROUNDS {
+            if solved.solution.step() < S::ratio(1, 50) {
+                return Ok(solved);
+            }
+            solved = self.round(&solved.edge, Round::Later)?;
+        }
+        self.round(edge, Round::Later)
+    }
+
+    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
+    /// camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    fn settle_in_front(&self, start: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
+        let solved = self.settle(start)?;
+        let edge = solved.edge;
+        if edge.tilt == S::ZERO || !(edge.inverse_depth < S::ZERO) {
+            return Ok(solved);
+        }
+        let mirrored = LineInSpace { inverse_depth: -edge.inverse_depth, ..edge };
+        let other = self.settle(&mirrored)?;
+        let is_as_good = other.cost() < solved.cost() + S::from_i32(9);
+        Ok(if other.edge.inverse_depth > S::ZERO && is_as_good { other } else { solved })
+    }
+
+    /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
+    /// `None` where none deviates enough, or where they lead nowhere.
+    fn doubt_strangers(&mut self, solved: &Solved<S, N>) -> Option<Solved<S, N>> {
+        let sizes = self.deviations(solved);
+        let limit = usual_of(&sizes) * S::from_i32(DOUBTFUL);
+        if !sizes.iter().any(|size| *size > limit) {
+            return None;
+        }
+        let mut doubtful = None;
+        for _ in 0..DOUBTING_ROUNDS {
+            let last = doubtful.as_ref().unwrap_or(solved);
+            for (sight, row) in self.sights.iter_mut().zip(&last.rows.observed) {
+                let deviation = last.solution.deviation(row).abs() * sight.doubt;
+                sight.doubt = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
+            }
+            let Ok(next) = self.round(&last.edge, Round::Later) else {
+                self.sights.iter_mut().for_each(|sight| sight.doubt = S::ONE);
+                return None;
+            };
+            doubtful = Some(next);
+        }
+        doubtful
+    }
+
+    /// How far off the samples are that are still in, in units of their own noise.
+    fn deviations(&self, solved: &Solved<S, N>) -> Vec<S, N> {
+        let mut sizes = Vec::new();
+        for (row, sight) in solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept) {
+            // As many as sights.
+            let _ = sizes.push(solved.solution.deviation(row).abs() * sight.doubt);
+        }
+        sizes
+    }
+
+    /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between. A third of
+    /// them at most: if more do not fit, then this is no straight edge. Doubt ends here.
+    fn drop_strangers(&mut self, doubtful: &Solved<S, N>) -> bool {
+        let sizes = self.deviations(doubtful);
+        let count = sizes.len();
+        // Of few samples it is not well known what is usual.
+        let limit = usual_of(&sizes) * (S::from_i32(STRANGE) + S::ratio(16, count.max(1) as i32));
+        let strangers = sizes.iter().filter(|size| **size > limit).count();
+        let leave_out = strangers > 0 && 3 * (self.sights.len() - count + strangers) <= self.sights.len();
+        for (sight, row) in self.sights.iter_mut().zip(&doubtful.rows.observed) {
+            let strange = doubtful.solution.deviation(row).abs() * sight.doubt > limit;
+            sight.kept &= !(leave_out && strange);
+            sight.doubt = S::ONE;
+        }
+        leave_out
+    }
+
+    fn straightness(&self, solved: &Solved<S, N>) -> Straightness<S> {
+        // Knots are means over curved arcs: what they may cost is no sign of a bend.
+        let floor = S::ratio(1, 256);
+        let kept = solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept);
+        Straightness::of(
+            kept.map(|(row, sight)| solved.solution.deviation(row) * (sight.sigma_px / hypot(sight.sigma_px, floor))),
+        )
+    }
+}
+
+/// How large deviations usually are: what two thirds of them stay below, as of normal values with one sigma, without a sort.
+/// Half a sigma at least: of values that hardly deviate none is a stranger.
+fn usual_of<S: Scalar>(sizes: &[S]) -> S {
+    let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
+    let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);
+    usual.unwrap_or(S::ONE).max(S::ratio(1, 2))
+}

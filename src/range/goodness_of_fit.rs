@@ -1,0 +1,52 @@
+//! Whether a line is straight: its residuals against the stated noise.
+
+use crate::scalar::Scalar;
+
+pub(crate) struct Straightness<S> {
+    /// Root mean square of the residuals in units of the stated noise.
+    pub(crate) misfit: S,
+    /// Larger than chance allows.
+    pub(crate) significant: bool,
+    pub(crate) bent: bool,
+}
+
+impl<S: Scalar> Straightness<S> {
+    /// Of no residuals.
+    pub(crate) const NONE: Self = Self { misfit: S::ZERO, significant: false, bent: false };
+
+    /// From the residuals in the order of readout, in units of their noise: how large they are, and whether they follow each
+    /// other, as those of a curve do.
+    pub(crate) fn of(residuals: impl Iterator<Item = S>) -> Self {
+        // Capped where fixed point would run out of room.
+        let cap = S::from_i32(1_000);
+        let (mut squares, mut steps, mut previous, mut count) = (S::ZERO, S::ZERO, None, 0);
+        for off in residuals {
+            let off = off.min(cap).max(-cap);
+            squares = squares + off * off;
+            if let Some(previous) = previous {
+                let step: S = off - previous;
+                steps = steps + step * step;
+            }
+            previous = Some(off);
+            count += 1;
+        }
+        // Bearing and inverse depth are free.
+        let spare = S::from_i32(count - 2);
+        if count <= 2 {
+            return Self::NONE;
+        }
+        let variance = squares / spare;
+        let significant = variance > chance_limit(spare);
+        // Durbin and Watson: 2 for noise, near 0 for a curve.
+        let follows = steps < squares;
+        let bent = significant && (follows && variance > S::from_i32(4) || variance > S::from_i32(25));
+        Self { misfit: variance.sqrt(), significant, bent }
+    }
+}
+
+/// What the mean square of `count` unit variates exceeds once in 30000 times (Wilson and Hilferty at four sigma).
+fn chance_limit<S: Scalar>(count: S) -> S {
+    let part = S::ratio(2, 9) / count;
+    let root = S::ONE - part + S::from_i32(4) * part.sqrt();
+    root * root * root
+}

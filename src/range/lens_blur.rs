@@ -1,0 +1,62 @@
+//! [`LensBlur`]: the lens's own blur, learned from the edges that pass.
+
+use super::blur::LensWitness;
+use super::range::Range;
+use super::status::RangeStatus;
+use crate::scalar::{Scalar, hypot};
+use crate::setup::MotionBlur;
+
+/// The lens's own blur as the edges so far show it, beginning with what is known before.
+///
+/// Edges that hardly move during the exposure, or whose depth is known from several frames, tell the lens; with it, the
+/// blur of the others tells their slope.
+///
+/// ```
+/// use shutter_range::{LensBlur, MotionBlur};
+/// let mut lens = LensBlur::new(MotionBlur::of_exposure(0.008_f32));
+/// // For each range: lens.learn(&range);
+/// // For the next frame: setup.with_motion_blur(lens.motion_blur())?;
+/// assert_eq!(lens.motion_blur().lens_blur_px, 0.75);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct LensBlur<S> {
+    exposure_s: S,
+    variance_px2: S,
+    sigma_px2: S,
+}
+
+impl<S: Scalar> LensBlur<S> {
+    /// Begins with what is known, [`MotionBlur::of_exposure`] if nothing is.
+    #[must_use]
+    pub fn new(known: MotionBlur<S>) -> Self {
+        let lens = known.lens_blur_px.max(S::ratio(1, 10));
+        let sigma_px2 = (lens + lens) * known.sigma_lens_blur_px;
+        Self { exposure_s: known.exposure_s, variance_px2: lens * lens, sigma_px2 }
+    }
+
+    /// Takes in what a range tells, if it does; one that contradicts what is known is left out.
+    ///
+    /// Sigma does not fall below a twentieth: a lens is not equally sharp everywhere.
+    pub fn learn(&mut self, range: &Range<S>) {
+        let upright = matches!(range.status, RangeStatus::Ok | RangeStatus::Far);
+        let Some(LensWitness { variance_px2, sigma_px2 }) = range.lens.filter(|_| upright) else { return };
+        let off = variance_px2 - self.variance_px2;
+        let joint = hypot(self.sigma_px2, sigma_px2);
+        if !(joint > S::ZERO && off.abs() <= joint * S::from_i32(4)) {
+            return;
+        }
+        let part = self.sigma_px2 / joint;
+        self.variance_px2 = (self.variance_px2 + off * part * part).max(S::ratio(1, 100));
+        // Twice a twentieth, since the variance is a square.
+        self.sigma_px2 = (sigma_px2 * part).max(self.variance_px2 * S::ratio(1, 10)).min(self.sigma_px2);
+    }
+
+    /// What is known now.
+    #[must_use]
+    pub fn motion_blur(&self) -> MotionBlur<S> {
+        let lens_blur_px = self.variance_px2.sqrt();
+        let sigma_lens_blur_px = self.sigma_px2 / (lens_blur_px + lens_blur_px);
+        MotionBlur { exposure_s: self.exposure_s, lens_blur_px, sigma_lens_blur_px }
+    }
+}

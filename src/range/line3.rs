@@ -1,0 +1,51 @@
+//! [`LineInSpace`]: the straight line that is sought, in the axes of the frame-start camera.
+
+use super::observation::Sight;
+use crate::scalar::{Scalar, add, cross, dot, scale};
+
+/// The unknowns `(a, ρ, β)` and the directions that they refer to.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct LineInSpace<S> {
+    pub(crate) bearing: S,
+    pub(crate) inverse_depth: S,
+    pub(crate) tilt: S,
+    pub(crate) gravity: [S; 3],
+    /// Unit vector in the image plane, across gravity: `g + β e` is where a leaning edge points.
+    pub(crate) lean: [S; 3],
+}
+
+impl<S: Scalar> LineInSpace<S> {
+    pub(crate) fn start(gravity: [S; 3]) -> Self {
+        let [gx, gy, _] = gravity;
+        let length = (gx * gx + gy * gy).sqrt();
+        // Looking straight down there is no such direction; every sample is refused as sideways then.
+        let lean = if length > S::ZERO { [gy / length, -gx / length, S::ZERO] } else { [S::ONE, S::ZERO, S::ZERO] };
+        Self { bearing: S::ZERO, inverse_depth: S::ZERO, tilt: S::ZERO, gravity, lean }
+    }
+
+    pub(crate) fn direction(&self) -> [S; 3] {
+        add(self.gravity, scale(self.lean, self.tilt))
+    }
+
+    /// `m · P` with `P = (a, 0, 1) − ρ p`, added up so that what nearly cancels does so first: single precision then loses one rounding, not four.
+    pub(crate) fn offset(&self, m: [S; 3], sight: &Sight<S>) -> S {
+        let [mx, _, mz] = m;
+        (mx * self.bearing + mz) - self.inverse_depth * dot(m, sight.position)
+    }
+
+    /// How far along the row, in pixels, a sight lies from the edge; `None` where rows run along the edge.
+    pub(crate) fn miss_px(&self, sight: &Sight<S>) -> Option<S> {
+        let miss = self.offset(cross(sight.direction, self.direction()), sight);
+        let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
+        let pixels = miss / per_px;
+        (per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
+    }
+
+    /// Change of [`miss_px`](Self::miss_px) with the inverse depth.
+    pub(crate) fn miss_per_inverse_depth(&self, sight: &Sight<S>) -> Option<S> {
+        let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
+        let change = -dot(cross(sight.direction, self.direction()), sight.position) / per_px;
+        (per_px != S::ZERO && change.is_finite()).then_some(change)
+    }
+}

@@ -1,0 +1,34 @@
+//! From a line to a range: bearing, inverse depth and tilt with their covariance.
+
+mod sample;
+mod observation;
+mod line3;
+mod covariance;
+mod shared_error;
+mod equation;
+mod least_squares;
+mod budget;
+mod sensitivity;
+mod line_state;
+mod blur;
+mod prior;
+mod goodness_of_fit;
+mod status;
+mod estimate;
+mod fit;
+mod range;
+mod lens_blur;
+
+pub use blur::LensWitness;
+pub use budget::{Budget, ErrorSource};
+pub(crate) use covariance::Covariance;
+pub use estimate::{Estimate, Interval};
+pub use fit::fit;
+pub use lens_blur::LensBlur;
+pub(crate) use line_state::State;
+pub(crate) use line3::LineInSpace;
+pub(crate) use observation::Sight;
+pub use range::Range;
+pub use sample::{Sample, Spread};
+pub(crate) use shared_error::Cause;
+pub use status::RangeStatus;

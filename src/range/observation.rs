@@ -1,0 +1,74 @@
+//! What a sample sees, and the edge that is sought, both in the axes of the frame-start camera.
+
+use super::sample::Sample;
+use crate::motion::Motion;
+use crate::scalar::{Scalar, add, cross, dot, scale, sub};
+use crate::setup::Camera;
+
+/// What one sample says, whatever the edge: a ray, where it starts, and how it moves along the row.
+#[derive(Clone, Copy)]
+pub(crate) struct Sight<S> {
+    /// `R r`
+    pub(crate) direction: [S; 3],
+    /// `R (u, w, 0)`: what a relative change of focal length adds to the direction.
+    pub(crate) off_axis: [S; 3],
+    /// Change of the direction per pixel of column.
+    pub(crate) along_row: [S; 3],
+    pub(crate) position: [S; 3],
+    /// By how much the mean of `m · p` over the sample's spread exceeds the `m · p` of the means.
+    pub(crate) covariance: S,
+    /// Velocity times time: where a relative error of all times puts the camera.
+    pub(crate) advanced: [S; 3],
+    /// Rotation rate times time.
+    pub(crate) turned: [S; 3],
+    pub(crate) time_s: S,
+    pub(crate) sigma_px: S,
+    /// False once it has turned out to be of something else.
+    pub(crate) kept: bool,
+    /// How many times larger than stated its noise is taken to be while strangers are sought.
+    pub(crate) doubt: S,
+}
+
+impl<S: Scalar> Sight<S> {
+    pub(crate) fn new<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>) -> Option<Self> {
+        let middle = Self::at(camera, motion, sample, S::ZERO)?;
+        if sample.spread.row_px == S::ZERO {
+            return Some(middle);
+        }
+        // The mean over a stretch is, up to the third order, that of two points one standard deviation off its middle.
+        let before = Self::at(camera, motion, sample, -S::ONE)?;
+        let after = Self::at(camera, motion, sample, S::ONE)?;
+        let half = S::ratio(1, 2);
+        let mean = |a, b| scale(add(a, b), half);
+        let half_change = |a, b| scale(sub(a, b), half);
+        let m_change = cross(half_change(after.direction, before.direction), motion.gravity());
+        Some(Self {
+            direction: mean(after.direction, before.direction),
+            position: mean(after.position, before.position),
+            covariance: dot(m_change, half_change(after.position, before.position)),
+            ..middle
+        })
+    }
+
+    /// The ray `spreads` standard deviations along the sample's stretch; `None` where the lens gives none.
+    fn at<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>, spreads: S) -> Option<Self> {
+        let spread = &sample.spread;
+        let time_s = sample.time_s + spread.time_s * spreads;
+        let ray = camera.ray(sample.column_px + spread.column_px * spreads, sample.row_px + spread.row_px * spreads)?;
+        let pose = motion.pose(time_s);
+        Some(Self {
+            direction: pose.turn([ray.u, ray.w, S::ONE]),
+            off_axis: pose.turn([ray.u, ray.w, S::ZERO]),
+            along_row: pose.turn([ray.du_dcolumn, ray.dw_dcolumn, S::ZERO]),
+            position: pose.position_m,
+            covariance: S::ZERO,
+            advanced: scale(pose.velocity_m_s, time_s),
+            turned: scale(pose.rate_rad_s, time_s),
+            time_s,
+            // Rounding of the column itself is noise, too, where the stated one is smaller.
+            sigma_px: sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON)),
+            kept: true,
+            doubt: S::ONE,
+        })
+    }
+}

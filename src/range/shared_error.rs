@@ -1,0 +1,70 @@
+//! [`Cause`]: what may be wrong in the same way for all samples of an edge.
+
+use super::line3::LineInSpace;
+use super::observation::Sight;
+use crate::scalar::{Scalar, cross, dot, on_axis};
+use crate::setup::Setup;
+
+/// Something that is assumed, and may be wrong in the same way for all samples of an edge.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Cause {
+    /// The edge's tilt as the prior has it: its own lean and the direction of gravity.
+    Tilt,
+    /// The lens's own blur, in pixels.
+    Lens,
+    /// Relative error of the speed.
+    Speed,
+    /// Rotation about one of the camera's axes, in rad/s.
+    Rate(usize),
+    /// Relative error of the readout time.
+    Readout,
+    /// Relative error of the focal length.
+    Focal,
+}
+
+pub(crate) const CAUSES: usize = 8;
+
+impl Cause {
+    pub(crate) const ALL: [Self; CAUSES] =
+        [Self::Tilt, Self::Lens, Self::Speed, Self::Rate(0), Self::Rate(1), Self::Rate(2), Self::Readout, Self::Focal];
+
+    /// One standard deviation, for an edge at a bearing.
+    pub(crate) fn sigma<S: Scalar>(self, setup: &Setup<S>, bearing: S) -> S {
+        let uncertainty = setup.uncertainty();
+        match self {
+            Self::Tilt => uncertainty.sigma_tilt_at(bearing),
+            Self::Lens => setup.motion_blur().map_or(S::ZERO, |blur| blur.sigma_lens_blur_px),
+            Self::Speed => uncertainty.sigma_speed,
+            Self::Rate(_) => uncertainty.sigma_rate_rad_s,
+            Self::Readout => uncertainty.sigma_readout,
+            Self::Focal => uncertainty.sigma_focal,
+        }
+    }
+
+    /// An error of this cause and of no other.
+    pub(crate) fn alone<S: Scalar>(self, error: S) -> [S; CAUSES] {
+        Self::ALL.map(|cause| if cause == self { error } else { S::ZERO })
+    }
+
+    /// Whether the noise of the believed rows has it already.
+    pub(super) fn is_believed(self) -> bool {
+        matches!(self, Self::Tilt | Self::Lens)
+    }
+
+    /// What a unit error adds to y = −F/m_x of a sight.
+    pub(super) fn error<S: Scalar>(self, sight: &Sight<S>, edge: &LineInSpace<S>) -> S {
+        let still = [S::ZERO; 3];
+        let (direction, position) = match self {
+            Self::Tilt | Self::Lens => return S::ZERO,
+            Self::Speed => (still, sight.position),
+            Self::Rate(axis) => (cross(on_axis(axis, sight.time_s), sight.direction), still),
+            Self::Readout => (cross(sight.turned, sight.direction), sight.advanced),
+            Self::Focal => (sight.off_axis, still),
+        };
+        let down = edge.direction();
+        let m = cross(sight.direction, down);
+        let [mx, _, _] = m;
+        let turned = edge.offset(cross(direction, down), sight);
+        (edge.inverse_depth * dot(m, position) - turned) / mx
+    }
+}

@@ -1,0 +1,295 @@
+//! [`Sequence`]: lines continued from frame to frame.
+
+use heapless::Vec;
+
+use super::landmark::{Claim, Landmark, Sighting, is_of_use};
+use super::propagation::Passage;
+use crate::error::ParameterError;
+use crate::line::Line;
+use crate::motion::{Motion, Pose, checked_direction};
+use crate::range::{Range, State};
+use crate::ranger::Ranger;
+use crate::scalar::Scalar;
+use crate::setup::Setup;
+
+/// The edges of earlier frames, at most `LANDMARKS`, each continued where a frame shows it again.
+///
+/// A single frame cannot tell a leaning edge from a near one; in several, parallax grows and the lean repeats, so that
+/// a few frames of a moving camera make the tilt known and sigma falls accordingly. Each frame's knots enter the same least
+/// squares as in a single frame, with what the frames before have told as three more rows: memory does not grow with time.
+///
+/// A line belongs to a landmark where it lies as the landmark predicts; the nearest pairs come first. What a setup states of
+/// speed and rotation is carried along as an error that is the same for all frames of about a second, which no number of
+/// frames averages out, and that drifts over longer times, so that sigma does not shrink for ever.
+///
+/// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither: they keep
+/// what was known of them, and what comes into view there begins once it is clear.
+///
+/// An object that moves at a constant velocity looks static at another distance as long as the camera's velocity is
+/// constant, too. Once speed or heading changes it is no longer where it should be: it is then
+/// [`Inconsistent`](crate::RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again. An object
+/// that is by then more than three pixels and four sigma off its prediction is taken for another edge.
+///
+/// *Memory*: 208 bytes for each landmark in `f32`, and 16.
+///
+/// ```
+/// use shutter_range::{
+///     Camera, Distortion, Edge, Intrinsics, Limits, Motion, Ranger, Readout, Sequence, Setup, Twist, Uncertainty,
+/// };
+/// # let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f64), Distortion::NONE)?;
+/// # let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
+/// let half_a_degree = Uncertainty { sigma_tilt: 0.0087, ..Uncertainty::NONE };
+/// let setup = Setup::new(camera, readout, half_a_degree, Limits::DEFAULT)?;
+/// let motion = Twist::level([-1.5, 0.0, 0.0])?;
+/// let interval_s = 0.04;
+/// let mut ranger: Ranger<16, 12, 32> = Ranger::new();
+/// let mut sequence: Sequence<f64, 16> = Sequence::new();
+/// let mut sigma_m = vec![];
+/// for frame in 0..5 {
+///     for row in 0..480 {
+///         let time_ns = setup.readout().row_time_ns(row);
+///         // A post 2 m away that leans by half a degree.
+///         let moved_m = 1.5 * (interval_s * frame as f64 + time_ns as f64 * 1e-9);
+///         let column_px = 200.0 + 600.0 * moved_m / 2.0 + 0.0087 * (row as f64 - 239.5);
+///         ranger.edge(&setup, Edge::new(row, (column_px * 65536.0) as i32, time_ns))?;
+///     }
+///     ranger.end_frame(&setup);
+///     sequence.frame(&setup, &motion, &mut ranger, |range| {
+///         sigma_m.push(range.depth(2.0).estimate_m.expect("status is ok").1);
+///     });
+///     sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity())?;
+/// }
+/// assert!(sigma_m[0] > 0.2 && sigma_m[4] < 0.002, "{sigma_m:?}");
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sequence<S, const LANDMARKS: usize> {
+    landmarks: Vec<Landmark<S>, LANDMARKS>,
+    next_id: u32,
+    dropped_lines: u32,
+    /// A frame has been taken since the last advance.
+    has_frame: bool,
+}
+
+/// Frames in a row without an edge after which it is forgotten.
+const MOST_MISSED: u16 = 30;
+
+impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
+    /// A sequence that has seen nothing yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { landmarks: Vec::new(), next_id: 0, dropped_lines: 0, has_frame: false }
+    }
+
+    /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges over in no
+    /// particular order. To be called once a frame, after [`Ranger::end_frame`]; nobody else must take lines of that ranger, so
+    /// that its table needs room for all lines of a frame. Between two frames belongs an [`advance`](Self::advance): without it, the
+    /// edges of earlier frames are forgotten.
+    ///
+    /// *Cost*: for each line one fit as in [`Range::of_line`] or two, and three predictions for each landmark of its polarity.
+    pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        ranger: &mut Ranger<LINES, KNOTS, EDGES>,
+        mut found: impl FnMut(Range<S>),
+    ) {
+        self.assign(setup, motion, ranger.places(), |place| ranger.line_at(place));
+        while let Some((place, line)) = ranger.next_placed_line() {
+            found(self.continue_line(setup, motion, place, &line));
+        }
+        self.count_missed();
+    }
+
+    /// The same for lines from elsewhere, whose ranges are handed over in their order: once a frame, all of it.
+    pub fn lines<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        lines: &[Line<KNOTS>],
+        mut found: impl FnMut(Range<S>),
+    ) {
+        self.assign(setup, motion, 0..lines.len(), |place| lines.get(place));
+        for (place, line) in lines.iter().enumerate() {
+            found(self.continue_line(setup, motion, place, line));
+        }
+        self.count_missed();
+    }
+
+    /// Goes on to the next frame's start: `pose` of the camera there in the axes of this frame's start, the time in between, and
+    /// gravity in the camera's axes there, of any length. What is then beside or behind the camera is forgotten. To be called
+    /// between any two frames, also after a torn one.
+    ///
+    /// *Errors*: a gravity without direction; nothing has changed then.
+    ///
+    /// *Cost*: some 500 operations for each landmark.
+    pub fn advance(
+        &mut self,
+        setup: &Setup<S>,
+        pose: &Pose<S>,
+        elapsed_s: S,
+        gravity: [S; 3],
+    ) -> Result<(), ParameterError> {
+        let passage = Passage { pose: *pose, elapsed_s, gravity: checked_direction(gravity)? };
+        self.has_frame = false;
+        self.landmarks.retain_mut(|landmark| match landmark.carried(setup, &passage) {
+            Some(carried) => {
+                *landmark = carried;
+                true
+            }
+            None => false,
+        });
+        Ok(())
+    }
+
+    /// Forgets all edges: where nothing is known of the way to the next frame. Their names are not used again.
+    pub fn clear(&mut self) {
+        self.landmarks.clear();
+    }
+
+    /// Number of edges that are remembered.
+    #[must_use]
+    pub fn landmarks(&self) -> usize {
+        self.landmarks.len()
+    }
+
+    /// Lines that could not be remembered for want of room; a line that is refused in each frame counts each time.
+    #[must_use]
+    pub const fn dropped_lines(&self) -> u32 {
+        self.dropped_lines
+    }
+
+    /// Gives each line to at most one landmark and each landmark at most one line: a landmark keeps the nearest of
+    /// those that ask for it, and a line that is turned down asks for the next.
+    fn assign<'l, M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        places: impl Iterator<Item = usize>,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
+    ) {
+        // Nobody has said how the camera got here from the last frame.
+        if self.has_frame {
+            self.clear();
+        }
+        self.has_frame = true;
+        self.landmarks.iter_mut().for_each(|landmark| landmark.claim = None);
+        for place in places {
+            let mut asking = Some(place);
+            while let Some(place) = asking {
+                let sighting = line_at(place).and_then(|line| Sighting::new(setup, motion, line));
+                asking = sighting.and_then(|sighting| self.claim(setup, place, &sighting));
+            }
+        }
+    }
+
+    /// A landmark without a line in this frame is hidden, or gone.
+    fn count_missed(&mut self) {
+        for landmark in &mut self.landmarks {
+            landmark.missed = if landmark.claim.is_some() { 0 } else { landmark.missed.saturating_add(1) };
+        }
+        self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
+    }
+
+    /// Asks the landmark that a line lies nearest to, of those that would have it, and returns the line that is turned down
+    /// for it.
+    fn claim(&mut self, setup: &Setup<S>, place: usize, sighting: &Sighting<S>) -> Option<usize> {
+        let mut best: Option<(&mut Landmark<S>, Claim<S>)> = None;
+        for landmark in &mut self.landmarks {
+            let Some(claim) = landmark.claim_of(setup, place, sighting) else { continue };
+            let nearer = |other: &Claim<S>| claim.distance < other.distance;
+            if landmark.claim.as_ref().is_none_or(nearer) && best.as_ref().is_none_or(|(_, best)| nearer(best)) {
+                best = Some((landmark, claim));
+            }
+        }
+        let (landmark, claim) = best?;
+        landmark.claim.replace(claim).map(|before| before.place)
+    }
+
+    fn continue_line<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        place: usize,
+        line: &Line<KNOTS>,
+    ) -> Range<S> {
+        let is_claimed = |landmark: &Landmark<S>| landmark.claim.is_some_and(|claim| claim.place == place);
+        let Some(index) = self.landmarks.iter().position(is_claimed) else {
+            return self.begin(setup, motion, line);
+        };
+        let sighting = Sighting::new(setup, motion, line);
+        let others = self.landmarks.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+        let state = self.landmarks.get(index).map(|landmark| landmark.state);
+        let is_mixed = is_mixed(sighting.as_ref(), state.as_ref(), others);
+        let Some(landmark) = self.landmarks.get_mut(index) else { return Range::of_line(setup, motion, line) };
+        let range = if is_mixed {
+            Range::remembered(setup, motion, line, &landmark.state)
+        } else {
+            landmark.update(setup, motion, line)
+        };
+        landmark.name(range)
+    }
+
+    /// A line that no landmark predicts becomes one, if there is room.
+    fn begin<M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+    ) -> Range<S> {
+        let (range, state) = Range::continued(setup, motion, line, None);
+        // An edge of which only the bearing is known tells nothing of where it will be.
+        let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
+        let Some(state) = state.filter(|_| is_of_use(range.status) && has_depth) else { return range };
+        // What comes into view beside an edge is often half hidden by it, and would begin with a wrong column.
+        let sighting = Sighting::new(setup, motion, line);
+        let is_beside = |landmark: &Landmark<S>| sighting.as_ref().is_some_and(|sighting| landmark.is_beside(sighting));
+        if self.landmarks.iter().any(|landmark| landmark.frames > 1 && landmark.claim.is_some() && is_beside(landmark))
+        {
+            return range;
+        }
+        let id = self.next_id;
+        // Whatever the place, it is not a line that is still to be taken.
+        let claim = Some(Claim { place: usize::MAX, distance: S::ZERO, has_moved: false });
+        let (polarity, frames, missed, on_probation) = (line.first().polarity, 1, 0, 0);
+        let landmark = Landmark { id, polarity, frames, missed, on_probation, claim, state };
+        if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
+            self.dropped_lines = self.dropped_lines.saturating_add(1);
+            return range;
+        }
+        self.next_id = self.next_id.wrapping_add(1);
+        Range { line_id: Some(id), ..range }
+    }
+
+    /// The table is full: puts a newcomer in the place of the edge that has not been seen for longest. One that this frame
+    /// shows is never lost; without any other, the newcomer is refused.
+    fn replace_unseen(&mut self, newcomer: Landmark<S>) -> Result<(), Landmark<S>> {
+        let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.claim.is_none());
+        match unseen.max_by_key(|landmark| landmark.missed) {
+            Some(place) => {
+                *place = newcomer;
+                Ok(())
+            }
+            None => Err(newcomer),
+        }
+    }
+}
+
+/// Whether an edge lies so near to one at another depth that the two blend: their columns are then those of neither.
+fn is_mixed<'l, S: Scalar + 'l>(
+    sighting: Option<&Sighting<S>>,
+    state: Option<&State<S>>,
+    mut others: impl Iterator<Item = &'l Landmark<S>>,
+) -> bool {
+    match (sighting, state) {
+        (Some(sighting), Some(state)) => others.any(|other| other.is_beside(sighting) && other.state.is_apart(state)),
+        _ => false,
+    }
+}
+
+impl<S: Scalar, const LANDMARKS: usize> Default for Sequence<S, LANDMARKS> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,245 @@
+//! [`Camera`]: from a pixel to the direction it looks in.
+
+use super::distortion::Distortion;
+use crate::error::ParameterError;
+use crate::scalar::Scalar;
+
+/// What makes a camera, before it is checked. Pixels are square unless `fy` says otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Intrinsics<S> {
+    /// Width of the image in pixels.
+    pub columns: u16,
+    /// Height of the image in pixels.
+    pub rows: u16,
+    /// Focal length along the rows, in pixels.
+    pub fx: S,
+    /// Focal length along the columns, in pixels.
+    pub fy: S,
+    /// Column of the principal point; pixel centres are at whole numbers.
+    pub cx: S,
+    /// Row of the principal point.
+    pub cy: S,
+}
+
+impl<S: Scalar> Intrinsics<S> {
+    /// From the focal length in pixels, with the principal point in the middle of the image.
+    #[must_use]
+    pub fn centred(columns: u16, rows: u16, focal_px: S) -> Self {
+        let middle = |size: u16| S::ratio(i32::from(size) - 1, 2);
+        Self { columns, rows, fx: focal_px, fy: focal_px, cx: middle(columns), cy: middle(rows) }
+    }
+
+    /// From the focal length in millimetres and the pitch of the image's pixels in micrometres (that of the sensor
+    /// times the binning or scaling factor), with the principal point in the middle.
+    #[must_use]
+    pub fn from_focal_length(columns: u16, rows: u16, focal_length_mm: S, pixel_pitch_um: S) -> Self {
+        Self::centred(columns, rows, focal_length_mm / pixel_pitch_um * S::from_i32(1000))
+    }
+}
+
+/// A checked camera: intrinsics and distortion.
+///
+/// ```
+/// use shutter_range::{Camera, Distortion, Intrinsics};
+/// let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
+/// let ray = camera.ray(319.5 + 60.0, 239.5).expect("in the image");
+/// assert!((ray.u - 0.1).abs() < 1e-6 && ray.w == 0.0);
+/// # Ok::<(), shutter_range::ParameterError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "RawCamera<S>"))]
+#[cfg_attr(feature = "serde", serde(bound(deserialize = "S: Scalar + serde::Deserialize<'de>")))]
+pub struct Camera<S> {
+    intrinsics: Intrinsics<S>,
+    distortion: Distortion<S>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    per_fx: S,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    per_fy: S,
+}
+
+/// A direction `(u, w, 1)` in the camera's axes (x right, y down, z forward), and how it moves along the row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Ray<S> {
+    /// Bearing to the right: x/z, the tangent of the paper's α, signed.
+    pub u: S,
+    /// Bearing downwards: y/z.
+    pub w: S,
+    /// Change of `u` per pixel of column.
+    pub du_dcolumn: S,
+    /// Change of `w` per pixel of column; not zero where the lens distorts.
+    pub dw_dcolumn: S,
+}
+
+/// Largest image: columns and rows must fit 16.16 bits with their sign.
+const MAX_SIZE: u16 = 32_767;
+
+impl<S: Scalar> Camera<S> {
+    /// Checks the parameters once; from then on they are trusted.
+    ///
+    /// *Errors*: an empty image or one beyond 32767 pixels; a focal length that is not positive; a principal point
+    /// further than one image size outside; a distortion that folds over inside the image, so that two directions
+    /// would share a pixel.
+    ///
+    /// *Cost*: a few operations, or 512 inversions of the distortion.
+    pub fn new(intrinsics: Intrinsics<S>, distortion: Distortion<S>) -> Result<Self, ParameterError> {
+        let Intrinsics { columns, rows, fx, fy, cx, cy } = intrinsics;
+        for (name, size) in [("columns", columns), ("rows", rows)] {
+            if size == 0 || size > MAX_SIZE {
+                return Err(ParameterError::new(name, f64::from(size), "1 to 32767 (pixels)"));
+            }
+        }
+        for (name, focal) in [("fx", fx), ("fy", fy)] {
+            if !(focal.is_finite() && focal >= S::ONE && focal <= S::from_i32(1_000_000)) {
+                return Err(ParameterError::new(name, focal.to_f64(), "1 to 1000000 (focal length in pixels)"));
+            }
+        }
+        for (name, centre, size) in [("cx", cx, columns), ("cy", cy, rows)] {
+            let size = S::from_i32(i32::from(size));
+            if !(centre >= -size && centre <= size + size) {
+                let expected = "at most one image size outside the image (pixels)";
+                return Err(ParameterError::new(name, centre.to_f64(), expected));
+            }
+        }
+        for (name, value) in ["k1", "k2", "p1", "p2", "k3"].into_iter().zip(distortion.to_opencv()) {
+            if !(value.is_finite() && value.abs() <= S::from_i32(1000)) {
+                return Err(ParameterError::new(name, value.to_f64(), "finite, at most 1000 in size"));
+            }
+        }
+        let camera = Self { intrinsics, distortion, per_fx: S::ONE / fx, per_fy: S::ONE / fy };
+        camera.refuse_folding()?;
+        Ok(camera)
+    }
+
+    /// Intrinsics as given.
+    #[must_use]
+    pub const fn intrinsics(&self) -> &Intrinsics<S> {
+        &self.intrinsics
+    }
+
+    /// Distortion as given.
+    #[must_use]
+    pub const fn distortion(&self) -> &Distortion<S> {
+        &self.distortion
+    }
+
+    /// Whether `row` is one of the image and `column_q16` (1/65536 px) lies within a pixel of its centres: detectors that
+    /// count pixels from their corners report an edge at the border half a pixel outside.
+    #[must_use]
+    pub const fn contains(&self, column_q16: i32, row: u16) -> bool {
+        const ONE: i32 = 1 << 16;
+        let width = (self.intrinsics.columns as i32) << 16;
+        column_q16 >= -ONE && column_q16 <= width && row < self.intrinsics.rows
+    }
+
+    /// The direction in which the pixel at `column`, `row` looks; `None` where the model of the lens folds over, which is
+    /// well outside the image.
+    ///
+    /// *Cost*: four operations, or an inversion of the distortion: 100 to 300.
+    #[must_use]
+    pub fn ray(&self, column: S, row: S) -> Option<Ray<S>> {
+        let recorded = self.normalised(column, row);
+        let straight = Ray { u: recorded[0], w: recorded[1], du_dcolumn: self.per_fx, dw_dcolumn: S::ZERO };
+        if self.distortion.is_none() {
+            return Some(straight);
+        }
+        self.distortion.undistort(recorded).map(|ideal| {
+            let [u, w] = ideal.point;
+            let [[du, _], [dw, _]] = ideal.jacobian;
+            Ray { u, w, du_dcolumn: du * self.per_fx, dw_dcolumn: dw * self.per_fx }
+        })
+    }
+
+    /// Where a direction `(u, w, 1)` is recorded: column and row in pixels.
+    #[must_use]
+    pub fn pixel(&self, u: S, w: S) -> (S, S) {
+        let [u, w] = self.distortion.distort([u, w]).point;
+        let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
+        (cx + fx * u, cy + fy * w)
+    }
+
+    fn normalised(&self, column: S, row: S) -> [S; 2] {
+        [(column - self.intrinsics.cx) * self.per_fx, (row - self.intrinsics.cy) * self.per_fy]
+    }
+
+    /// Walks from the principal point to the border of the image in 32 directions: the ideal point must move outwards
+    /// all the way and map back to where it came from.
+    fn refuse_folding(&self) -> Result<(), ParameterError> {
+        if self.distortion.is_none() {
+            return Ok(());
+        }
+        for spoke in 0..32 {
+            let [u, w] = self.border_point(spoke);
+            let mut reached = S::ZERO;
+            for step in 1..=16 {
+                let part = S::ratio(step, 16);
+                let recorded = [u * part, w * part];
+                let radius = self.ideal_radius(recorded);
+                if !(radius > reached) {
+                    let r2 = recorded[0] * recorded[0] + recorded[1] * recorded[1];
+                    return Err(ParameterError::new(
+                        "distortion",
+                        r2.sqrt().to_f64(),
+                        "a model that does not fold over inside the image (the value is the radius, in focal lengths, where it does)",
+                    ));
+                }
+                reached = radius;
+            }
+        }
+        Ok(())
+    }
+
+    /// Radius of the ideal point, or zero where the inversion fails or is about to.
+    fn ideal_radius(&self, recorded: [S; 2]) -> S {
+        let Some(ideal) = self.distortion.undistort(recorded) else {
+            return S::ZERO;
+        };
+        let there = self.distortion.distort(ideal.point);
+        let off = (there.point[0] - recorded[0]).abs() + (there.point[1] - recorded[1]).abs();
+        // 1e-4 px, or what the type resolves.
+        let tolerance = (self.per_fx * S::ratio(1, 10_000)).max(S::EPSILON * S::from_i32(32));
+        // A fold squeezes its surroundings to nothing; keep clear of it, since it may come nearer between the spokes.
+        let squeezed = there.determinant() < S::ratio(1, 8);
+        let [u, w] = ideal.point;
+        if off <= tolerance && !squeezed { (u * u + w * w).sqrt() } else { S::ZERO }
+    }
+
+    /// The normalised point number `index` of 32 around the border of the image.
+    fn border_point(&self, index: i32) -> [S; 2] {
+        let Intrinsics { columns, rows, .. } = self.intrinsics;
+        // Two pixels outside: edges may lie one beyond the last pixel's centre.
+        let low = -S::from_i32(2);
+        let right = S::from_i32(i32::from(columns) + 1);
+        let bottom = S::from_i32(i32::from(rows) + 1);
+        let part = S::ratio(index % 8, 8);
+        let between = |from: S, to: S| from + (to - from) * part;
+        let (column, row) = match index / 8 {
+            0 => (between(low, right), low),
+            1 => (right, between(low, bottom)),
+            2 => (between(right, low), bottom),
+            _ => (low, between(bottom, low)),
+        };
+        self.normalised(column, row)
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawCamera<S> {
+    intrinsics: Intrinsics<S>,
+    distortion: Distortion<S>,
+}
+
+#[cfg(feature = "serde")]
+impl<S: Scalar> TryFrom<RawCamera<S>> for Camera<S> {
+    type Error = ParameterError;
+
+    fn try_from(raw: RawCamera<S>) -> Result<Self, ParameterError> {
+        Self::new(raw.intrinsics, raw.distortion)
+    }
+}

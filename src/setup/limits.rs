@@ -1,0 +1,58 @@
+//! [`Limits`]: what counts as one line.
+
+use crate::error::ParameterError;
+
+/// What the tracker takes for one edge, and how long a line must be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Limits {
+    /// Steepest slope that a line may begin with, in 1/65536 px of column per row.
+    pub max_slope_q16: u32,
+    /// How far an edge may lie from the column that a young line predicts, beyond four sigma of its noise, in 1/65536 px;
+    /// an eighth of it where the line has 64 edges. Of pixels, no farther than four times as far as the line's edges scatter.
+    pub gate_q16: u32,
+    /// Edges after which a tentative line is confirmed.
+    pub confirm_edges: u16,
+    /// Rows in a row without an edge after which a tentative line is dropped.
+    pub tentative_gap_rows: u16,
+    /// Rows in a row without an edge after which a confirmed line ends; two more for each edge it has, or one for every two where
+    /// its edges are somebody's own.
+    pub gap_rows: u16,
+    /// A line of fewer edges is `short`.
+    pub min_edges: u16,
+}
+
+impl Limits {
+    /// Up to one pixel per row; 2 px of gate; confirmed after 5 edges, over gaps of 2 rows, later 12; 8 edges make a range.
+    pub const DEFAULT: Self = Self {
+        max_slope_q16: 1 << 16,
+        gate_q16: 2 << 16,
+        confirm_edges: 5,
+        tentative_gap_rows: 2,
+        gap_rows: 12,
+        min_edges: 8,
+    };
+
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let wide = |name, value: u32| {
+            let most = 1024 << 16;
+            let expected = "at most 1024 px, in 1/65536 px";
+            if value > most { Err(ParameterError::new(name, f64::from(value), expected)) } else { Ok(()) }
+        };
+        wide("max_slope_q16", self.max_slope_q16)?;
+        wide("gate_q16", self.gate_q16)?;
+        for (name, value, least) in [("confirm_edges", self.confirm_edges, 2), ("min_edges", self.min_edges, 3)] {
+            if value < least {
+                return Err(ParameterError::new(name, f64::from(value), "at least 2 to confirm, 3 for a range"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}

@@ -1,0 +1,17 @@
+//! What is known and checked once: the camera, when its rows are read, and how well everything is known.
+
+mod distortion;
+mod camera;
+mod readout;
+mod uncertainty;
+mod limits;
+mod motion_blur;
+mod setup;
+
+pub use camera::{Camera, Intrinsics, Ray};
+pub use distortion::Distortion;
+pub use limits::Limits;
+pub use motion_blur::MotionBlur;
+pub use readout::{Readout, ReadoutDirection};
+pub use setup::Setup;
+pub use uncertainty::Uncertainty;

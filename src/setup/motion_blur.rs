@@ -1,0 +1,45 @@
+//! [`MotionBlur`]: what is known of the blur of edges.
+
+use crate::error::ParameterError;
+use crate::scalar::Scalar;
+
+/// What is known of the blur of edges: with it, motion blur bears witness against leaning edges.
+///
+/// A moving edge is smeared over its path during the exposure, whatever its lean; a slope without that blur is a lean.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MotionBlur<S> {
+    /// Exposure of a row in seconds.
+    pub exposure_s: S,
+    /// One sigma of the lens's own blur in pixels, without that of the pixel itself.
+    pub lens_blur_px: S,
+    /// How well the lens's blur is known, one standard deviation in pixels.
+    pub sigma_lens_blur_px: S,
+}
+
+impl<S: Scalar> MotionBlur<S> {
+    /// A known exposure and a lens of which nothing is known: 0.5 to 1.0 px.
+    #[must_use]
+    pub fn of_exposure(exposure_s: S) -> Self {
+        Self { exposure_s, lens_blur_px: S::ratio(3, 4), sigma_lens_blur_px: S::ratio(144, 1000) }
+    }
+
+    /// A known exposure and a calibrated lens, good to 5 %.
+    #[must_use]
+    pub fn of_lens(exposure_s: S, lens_blur_px: S) -> Self {
+        Self { exposure_s, lens_blur_px, sigma_lens_blur_px: lens_blur_px * S::ratio(1, 20) }
+    }
+
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let parameters = [
+            ("exposure_s", self.exposure_s, 60),
+            ("lens_blur_px", self.lens_blur_px, 1000),
+            ("sigma_lens_blur_px", self.sigma_lens_blur_px, 1000),
+        ];
+        match parameters.into_iter().find(|(_, value, most)| !(*value >= S::ZERO && *value <= S::from_i32(*most))) {
+            Some((name, value, _)) => Err(ParameterError::new(name, value.to_f64(), "0 to 60 s, or 0 to 1000 px")),
+            None => Ok(()),
+        }
+    }
+}
