@@ -26,7 +26,7 @@ fn setup() -> Result<Setup<f32>, ParameterError> {
     let camera = Camera::new(Intrinsics::centred(COLUMNS, 240, 300.0), Distortion::NONE)?;
     let readout = Readout::from_frame_readout_ns(240, 33_333_333, Default::default())?;
     Setup::new(camera, readout, Uncertainty::default(), Limits::default())?
-        .with_motion_blur(MotionBlur::of_lens(EXPOSURE_S, LENS_BLUR_PX))
+        .with_motion_blur(MotionBlur::from_calibrated_lens(EXPOSURE_S, LENS_BLUR_PX))
 }
 
 /// Two posts, a tower, a bar that leans like the edge of something nearer, and a rail before all of them.

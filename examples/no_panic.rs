@@ -6,8 +6,9 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use shutter_range::{
-    Camera, Distortion, Edge, Intrinsics, LensBlur, Limits, Motion, MotionBlur, ParameterError, RangeStatus, Ranger,
-    Readout, ReadoutDirection, Sequence, Setup, Stamps, StreamClock, Streams, Trajectory, Twist, Uncertainty,
+    Camera, Distortion, EdgePoint, Intrinsics, LensBlur, Limits, Motion, MotionBlur, ParameterError, RangeStatus,
+    Ranger, Readout, ReadoutDirection, SensorClock, Sequence, Setup, StampConvention, Trajectory, TrajectoryConfig,
+    Twist, Uncertainty,
 };
 
 const ROWS: u16 = 120;
@@ -26,7 +27,7 @@ fn setup() -> Result<Setup<f32>, ParameterError> {
         sigma_focal: 0.001,
         ..Uncertainty::default()
     };
-    Setup::new(camera, readout, uncertainty, Limits::default())?.with_motion_blur(MotionBlur::of_exposure(0.001))
+    Setup::new(camera, readout, uncertainty, Limits::default())?.with_motion_blur(MotionBlur::from_exposure(0.001))
 }
 
 /// One row of a picture with a bright post that leans as a moving camera sees it.
@@ -41,10 +42,13 @@ fn paint(row: u16, pixels: &mut [u8]) {
 
 /// Samples of odometry and an inertial sensor every 5 ms, from before the frame to its end.
 fn drive() -> Trajectory<f32, 4> {
-    let clock = StreamClock { offset_ns: -1_000_000, max_gap_ns: 10_000_000 };
-    let velocity = Stamps::MeanSincePrevious(clock);
-    let mut trajectory =
-        Trajectory::new(Streams { velocity, rate: Some(Stamps::Instant(clock)), gravity: Some(clock) });
+    let clock = SensorClock { offset_ns: -1_000_000, max_gap_ns: 10_000_000 };
+    let velocity = StampConvention::MeanSincePrevious(clock);
+    let mut trajectory = Trajectory::new(TrajectoryConfig {
+        velocity,
+        rate: Some(StampConvention::Instant(clock)),
+        gravity: Some(clock),
+    });
     for k in 0..6 {
         let _ = trajectory.push_velocity(k * 5_000_000, [-2.0, 0.0, 0.1]);
         let _ = trajectory.push_rate(k * 5_000_000, [0.0, 0.02, 0.0]);
@@ -68,14 +72,14 @@ fn run() -> Result<bool, ParameterError> {
         from_pixels |= range.estimate.inverse_depth_per_m > 0.0;
     }
     for row in 0..ROWS {
-        let edge = Edge::new(row, (60 << 16) + 10_000 * i32::from(row), setup.readout().row_time_ns(row));
-        let _ = ranger.edge(&setup, edge);
+        let edge = EdgePoint::new(row, (60 << 16) + 10_000 * i32::from(row), setup.readout().row_time_ns(row));
+        let _ = ranger.edge_point(&setup, edge);
     }
     ranger.end_frame(&setup);
     let trajectory = drive();
     let Ok(motion) = trajectory.frame(10_000_000, 0..=setup.readout().row_time_ns(ROWS)) else { return Ok(false) };
     let mut sequence: Sequence<f32, 2> = Sequence::new();
-    let mut lens = LensBlur::new(MotionBlur::of_exposure(0.001));
+    let mut lens = LensBlur::new(MotionBlur::from_exposure(0.001));
     for _ in 0..2 {
         sequence.frame(&setup, &motion, &mut ranger, |range| {
             from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();

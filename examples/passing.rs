@@ -10,8 +10,8 @@ mod board;
 
 use board::say;
 use shutter_range::{
-    Camera, Distortion, Edge, Intrinsics, Limits, Motion, ParameterError, Polarity, Range, Ranger, Readout, Sequence,
-    Setup, Twist, Uncertainty,
+    Camera, Distortion, EdgePoint, Intrinsics, Limits, Motion, ParameterError, Polarity, Range, Ranger, Readout,
+    Sequence, Setup, Twist, Uncertainty,
 };
 
 /// An edge of the van: where it is at first, and how it leans.
@@ -41,14 +41,14 @@ fn setup() -> Result<Setup<f32>, ParameterError> {
 }
 
 /// What an edge detector would deliver: the true column and some noise.
-fn edge_of(pillar: &Pillar, setup: &Setup<f32>, frame: u8, row: u16, noise: i32) -> Option<Edge> {
+fn edge_of(pillar: &Pillar, setup: &Setup<f32>, frame: u8, row: u16, noise: i32) -> Option<EdgePoint> {
     let time_ns = setup.readout().row_time_ns(row);
     let time_s = f32::from(frame) * INTERVAL_S + time_ns as f32 * 1e-9;
     let [vx, _, vz] = VAN_M_S;
     let w = (f32::from(row) - setup.camera().intrinsics().cy) / setup.camera().intrinsics().fy;
     let u = (pillar.x_m + vx * time_s) / (pillar.z_m + vz * time_s) + pillar.lean * w;
     let (column, _) = setup.camera().pixel(u, w);
-    let edge = Edge::new(row, (column * 65536.0) as i32 + noise, time_ns);
+    let edge = EdgePoint::new(row, (column * 65536.0) as i32 + noise, time_ns);
     let edge = edge.with_polarity(pillar.polarity).with_sigma_q16(4729);
     setup.camera().contains(edge.column_q16, row).then_some(edge)
 }
@@ -82,7 +82,7 @@ fn main() {
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let noise = (random >> 18) as i32 - (1 << 13); // ±1/8 px, evenly: 0.072 px of sigma
                 if let Some(edge) = edge_of(pillar, &setup, frame, row, noise) {
-                    ranger.edge(&setup, edge).expect("rows come in order");
+                    ranger.edge_point(&setup, edge).expect("rows come in order");
                 }
             }
         }

@@ -9,7 +9,7 @@ mod board;
 
 use board::say;
 use shutter_range::{
-    Camera, Distortion, Edge, Intrinsics, Limits, ParameterError, Polarity, Range, Ranger, Readout, Setup, Twist,
+    Camera, Distortion, EdgePoint, Intrinsics, Limits, ParameterError, Polarity, Range, Ranger, Readout, Setup, Twist,
     Uncertainty,
 };
 
@@ -66,9 +66,9 @@ fn main() {
         for post in POSTS.iter().filter(|post| post.rows.contains(&row)) {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = (random >> 18) as i32 - (1 << 13); // ±1/8 px, evenly: 0.072 px of sigma
-            let edge = Edge::new(row, column_q16(post, &setup, row, noise), setup.readout().row_time_ns(row));
+            let edge = EdgePoint::new(row, column_q16(post, &setup, row, noise), setup.readout().row_time_ns(row));
             let edge = edge.with_polarity(Polarity::Rising).with_sigma_q16(4729);
-            if let Err(refused) = ranger.edge(&setup, edge) {
+            if let Err(refused) = ranger.edge_point(&setup, edge) {
                 say!("{refused}");
             }
         }

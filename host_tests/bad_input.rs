@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use shutter_range::{
-    Camera, Distortion, Edge, EdgeError, FitError, Intrinsics, Limits, ParameterError, Ranger, Readout, Sample, Setup,
-    Twist, Uncertainty, fit,
+    Camera, Distortion, EdgeError, EdgePoint, FitError, Intrinsics, Limits, ParameterError, Ranger, Readout, Sample,
+    Setup, Twist, Uncertainty, fit,
 };
 
 use crate::scenes::seeded;
@@ -62,10 +62,10 @@ fn setups() {
         let uncertainty = Uncertainty { sigma_speed: sigma, ..Uncertainty::NONE };
         assert_eq!(parameter(480, uncertainty, Limits::DEFAULT), "sigma_speed");
     }
-    let limits = Limits { confirm_edges: 1, ..Limits::DEFAULT };
-    assert_eq!(parameter(480, Uncertainty::NONE, limits), "confirm_edges");
-    let limits = Limits { min_edges: 2, ..Limits::DEFAULT };
-    assert_eq!(parameter(480, Uncertainty::NONE, limits), "min_edges");
+    let limits = Limits { confirm_points: 1, ..Limits::DEFAULT };
+    assert_eq!(parameter(480, Uncertainty::NONE, limits), "confirm_points");
+    let limits = Limits { min_points: 2, ..Limits::DEFAULT };
+    assert_eq!(parameter(480, Uncertainty::NONE, limits), "min_points");
     let limits = Limits { gate_q16: u32::MAX, ..Limits::DEFAULT };
     assert_eq!(parameter(480, Uncertainty::NONE, limits), "gate_q16");
 }
@@ -76,28 +76,31 @@ fn edges() {
     let mut ranger: Ranger<4, 8, 4> = Ranger::new();
     let outside = [(0, 641 << 16), (0, -(2 << 16)), (480, 5 << 16), (u16::MAX, 0), (0, i32::MAX), (0, i32::MIN)];
     for (row, column_q16) in outside {
-        let refused = ranger.edge(&setup, Edge::new(row, column_q16, 0));
+        let refused = ranger.edge_point(&setup, EdgePoint::new(row, column_q16, 0));
         assert_eq!(refused, Err(EdgeError::OutsideImage { row, column_q16 }));
     }
-    for sigma_q16 in [0, Edge::MAX_SIGMA_Q16 + 1, u32::MAX] {
-        let refused = ranger.edge(&setup, Edge::new(3, 0, 0).with_sigma_q16(sigma_q16));
+    for sigma_q16 in [0, EdgePoint::MAX_SIGMA_Q16 + 1, u32::MAX] {
+        let refused = ranger.edge_point(&setup, EdgePoint::new(3, 0, 0).with_sigma_q16(sigma_q16));
         assert_eq!(refused, Err(EdgeError::Sigma { row: 3, sigma_q16 }));
     }
     for time_ns in [i64::MIN, i64::MAX, 4_000_000_000_000] {
-        assert_eq!(ranger.edge(&setup, Edge::new(3, 0, time_ns)), Err(EdgeError::TimeRange { time_ns }));
+        assert_eq!(ranger.edge_point(&setup, EdgePoint::new(3, 0, time_ns)), Err(EdgeError::TimeRange { time_ns }));
     }
-    assert_eq!(ranger.edge(&setup, Edge::new(10, 1 << 16, 500)), Ok(()));
+    assert_eq!(ranger.edge_point(&setup, EdgePoint::new(10, 1 << 16, 500)), Ok(()));
     let twice = Err(EdgeError::Duplicate { row: 10, column_q16: 1 << 16 });
-    assert_eq!(ranger.edge(&setup, Edge::new(10, 1 << 16, 500)), twice);
-    assert_eq!(ranger.edge(&setup, Edge::new(9, 1 << 16, 500)), Err(EdgeError::RowOrder { row: 9, previous: 10 }));
+    assert_eq!(ranger.edge_point(&setup, EdgePoint::new(10, 1 << 16, 500)), twice);
+    assert_eq!(
+        ranger.edge_point(&setup, EdgePoint::new(9, 1 << 16, 500)),
+        Err(EdgeError::RowOrder { row: 9, previous: 10 })
+    );
     let back = Err(EdgeError::TimeOrder { time_ns: 400, previous_ns: 500 });
-    assert_eq!(ranger.edge(&setup, Edge::new(11, 1 << 16, 400)), back);
-    assert_eq!(ranger.edge(&setup, Edge::new(11, 1 << 16, 600)), Ok(()));
+    assert_eq!(ranger.edge_point(&setup, EdgePoint::new(11, 1 << 16, 400)), back);
+    assert_eq!(ranger.edge_point(&setup, EdgePoint::new(11, 1 << 16, 600)), Ok(()));
     assert_eq!(ranger.end_row(&setup, 480), Err(EdgeError::RowOrder { row: 480, previous: 11 }));
     assert_eq!(ranger.end_row(&setup, 10), Err(EdgeError::RowOrder { row: 10, previous: 11 }));
     ranger.end_frame(&setup);
     // A new frame begins anew.
-    assert_eq!(ranger.edge(&setup, Edge::new(0, 1 << 16, 0)), Ok(()));
+    assert_eq!(ranger.edge_point(&setup, EdgePoint::new(0, 1 << 16, 0)), Ok(()));
 }
 
 #[test]
@@ -157,7 +160,7 @@ proptest! {
         for (row, column_q16, time_ns, sigma_q16, end) in edges {
             let time_ns = if stamped { time_ns % 3_600_000_000_000 } else { setup.readout().row_time_ns(row) };
             // Refusals are answers here.
-            let _ = ranger.edge(&setup, Edge::new(row, column_q16, time_ns).with_sigma_q16(sigma_q16));
+            let _ = ranger.edge_point(&setup, EdgePoint::new(row, column_q16, time_ns).with_sigma_q16(sigma_q16));
             if end {
                 let _ = ranger.end_row(&setup, row);
             }

@@ -71,8 +71,8 @@ fn rms(errors: &[f64]) -> f64 {
 /// An edge that leans by half a degree, which its position alone takes for a quarter of the depth.
 #[test]
 fn blur_tells_lean_from_depth_in_one_frame() {
-    let known = MotionBlur::of_lens(EXPOSURE_S, Exposure::default().psf_sigma_px);
-    let unknown = MotionBlur::of_exposure(EXPOSURE_S);
+    let known = MotionBlur::from_calibrated_lens(EXPOSURE_S, Exposure::default().psf_sigma_px);
+    let unknown = MotionBlur::from_exposure(EXPOSURE_S);
     // The relative sigma is what an unknown lens leaves open, a good third of what the position alone does.
     for (name, blur, part, stated) in [("lens known", known, 0.1, 0.04), ("lens unknown", unknown, 0.25, 0.12)] {
         let (mut alone, mut fused, mut normal) = (Vec::new(), Vec::new(), Vec::new());
@@ -100,9 +100,9 @@ fn blur_tells_lean_from_depth_in_one_frame() {
 #[test]
 fn the_budget_names_the_lens() {
     let dominant = |blur| Shot::new(0.0, 1).with(blur).ranges().first().expect("a range").estimate.budget.dominant();
-    assert_eq!(dominant(MotionBlur::of_exposure(EXPOSURE_S)), ErrorSource::Lens);
+    assert_eq!(dominant(MotionBlur::from_exposure(EXPOSURE_S)), ErrorSource::Lens);
     assert_ne!(
-        dominant(MotionBlur { sigma_lens_blur_px: 0.001, ..MotionBlur::of_lens(EXPOSURE_S, 0.7) }),
+        dominant(MotionBlur { sigma_lens_blur_px: 0.001, ..MotionBlur::from_calibrated_lens(EXPOSURE_S, 0.7) }),
         ErrorSource::Lens
     );
 }
@@ -112,7 +112,7 @@ fn the_budget_names_the_lens() {
 fn a_sequence_learns_the_lens() {
     let interval_s = 0.04;
     for psf_sigma_px in [0.55, 0.7, 0.95] {
-        let mut lens = LensBlur::new(MotionBlur::of_exposure(EXPOSURE_S));
+        let mut lens = LensBlur::new(MotionBlur::from_exposure(EXPOSURE_S));
         let before = lens.motion_blur().sigma_lens_blur_px;
         let mut sequence = Sequence::<f32, 8>::new();
         for frame in 0..4 {

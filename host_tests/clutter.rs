@@ -33,7 +33,7 @@ fn range_of<'a>(found: &'a [Range<f32>], truth: &Truth) -> Option<&'a Range<f32>
         let near = (f64::from(range.estimate.bearing) - truth.bearing).abs() < 0.02;
         near && range.status == RangeStatus::Ok && range.polarity == truth.polarity
     };
-    found.iter().filter(of_edge).max_by_key(|range| range.edges)
+    found.iter().filter(of_edge).max_by_key(|range| range.points)
 }
 
 /// Every edge of the post is found, with an honest sigma, and nothing else.
@@ -42,7 +42,7 @@ fn crossing_bars_lead_no_line_astray() {
     let mut random = StdRng::seed_from_u64(1);
     let exposure = Exposure { time_s: 0.004, ..Exposure::default() };
     let world = moving(1.5);
-    let blur = MotionBlur::of_lens(exposure.time_s, exposure.psf_sigma_px);
+    let blur = MotionBlur::from_calibrated_lens(exposure.time_s, exposure.psf_sigma_px);
     let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP).with_motion_blur(blur).expect("sound blur");
     let (mut normal, mut relative, mut missed, mut wrong) = (Vec::new(), Vec::new(), 0, 0);
     for seed in 0..FRAMES {
@@ -83,11 +83,11 @@ fn texture_is_no_bar() {
             let texture = Texture { contrast, cell, seed };
             let scene = Scene::<1>::new(Background::textured(128.0, texture)).expect("sound background");
             let (frame, _) = render(&scene, &world, TOP, exposure, seed.into());
-            let blur = MotionBlur::of_lens(exposure.time_s, exposure.psf_sigma_px);
+            let blur = MotionBlur::from_calibrated_lens(exposure.time_s, exposure.psf_sigma_px);
             let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP).with_motion_blur(blur).expect("sound");
             let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
             let ok = found.iter().filter(|range| range.status == RangeStatus::Ok);
-            taken.extend(ok.map(|range| (contrast, cell, seed, range.edges, range.estimate)));
+            taken.extend(ok.map(|range| (contrast, cell, seed, range.points, range.estimate)));
         }
     }
     for one in &taken {

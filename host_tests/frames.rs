@@ -58,8 +58,8 @@ pub(crate) fn render<const N: usize>(
 }
 
 /// Feeds a frame in the order of its readout and takes the ranges, from left to right.
-pub(crate) fn ranges_of<S: Scalar, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
-    ranger: &mut Ranger<LINES, KNOTS, EDGES>,
+pub(crate) fn ranges_of<S: Scalar, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
+    ranger: &mut Ranger<LINES, KNOTS, POINTS>,
     setup: &Setup<S>,
     world: &projection::Scene,
     frame: &Frame,
@@ -127,7 +127,7 @@ fn one_post<S: Scalar>() {
             let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
             assert_found(&format!("{direction:?}, {speed_m_s} m/s"), &found, &truths, 0.01);
             for range in &found {
-                assert!(range.first_row <= 2 && range.last_row >= ROWS - 3 && range.edges > 230, "{range:?}");
+                assert!(range.first_row <= 2 && range.last_row >= ROWS - 3 && range.points > 230, "{range:?}");
             }
         }
     }
@@ -216,7 +216,7 @@ fn bearings() {
 #[test]
 fn a_rod_three_pixels_wide() {
     let (world, exposure) = (moving(1.5), Exposure::default());
-    let blur = MotionBlur::of_lens(exposure.time_s, exposure.psf_sigma_px);
+    let blur = MotionBlur::from_calibrated_lens(exposure.time_s, exposure.psf_sigma_px);
     let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
     for setup in [setup, setup.with_motion_blur(blur).expect("sound blur")] {
         for seed in 1..11 {
@@ -244,7 +244,7 @@ fn a_rail_hides_a_stretch() {
             assert_found(&format!("level {level}, seed {seed}"), &found, &truths, 0.01);
             for (range, truth) in found.iter().zip(&truths) {
                 assert!(range.first_row <= 2 && range.last_row >= ROWS - 3, "{range:?}");
-                assert!(range.edges.abs_diff(truth.visible_rows) <= 5, "{range:?} for {truth:?}");
+                assert!(range.points.abs_diff(truth.visible_rows) <= 5, "{range:?} for {truth:?}");
             }
         }
     }
@@ -324,7 +324,9 @@ fn lean_is_taken_for_a_distance(degrees: f32, speed_m_s: f64, time_s: f32, seed:
     let (frame, _) = render(&scene_of(180.0, [bar.into()]), &world, TOP, exposure, seed);
     let mut setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP);
     if blur_known {
-        setup = setup.with_motion_blur(MotionBlur::of_lens(time_s, exposure.psf_sigma_px)).expect("sound parameters");
+        setup = setup
+            .with_motion_blur(MotionBlur::from_calibrated_lens(time_s, exposure.psf_sigma_px))
+            .expect("sound parameters");
     }
     statuses(&ranges_of(&mut SmallRanger::new(), &setup, &world, &frame)).contains(&RangeStatus::Ok)
 }
@@ -353,7 +355,7 @@ fn motion_blur_bears_upright_bars_out() {
         for seed in 1..6 {
             let world = moving(speed_m_s);
             let (frame, truths) = render(&post(), &world, TOP, exposure, seed);
-            let blur = MotionBlur::of_lens(time_s, exposure.psf_sigma_px);
+            let blur = MotionBlur::from_calibrated_lens(time_s, exposure.psf_sigma_px);
             let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP).with_motion_blur(blur).expect("sound");
             let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
             assert_found(&format!("{time_s} s, seed {seed}"), &found, &truths, 0.02);

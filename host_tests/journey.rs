@@ -3,7 +3,7 @@
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
-use shutter_range::{Edge, Motion, Polarity, Pose, Range, Ranger, Scalar, Sequence, Setup, Uncertainty};
+use shutter_range::{EdgePoint, Motion, Polarity, Pose, Range, Ranger, Scalar, Sequence, Setup, Uncertainty};
 
 use crate::projection::{Matrix, Scene, Vector, rotation, times, transposed};
 use crate::scenes::q16;
@@ -159,8 +159,11 @@ impl Journey {
     }
 
     /// Edges with the times that a camera of the readout `known` states.
-    pub(crate) fn stamped(known: &Scene, edges: Vec<Edge>) -> Vec<Edge> {
-        edges.into_iter().map(|edge| Edge { time_ns: (known.time_s(edge.row) * 1e9).round() as i64, ..edge }).collect()
+    pub(crate) fn stamped(known: &Scene, edges: Vec<EdgePoint>) -> Vec<EdgePoint> {
+        edges
+            .into_iter()
+            .map(|edge| EdgePoint { time_ns: (known.time_s(edge.row) * 1e9).round() as i64, ..edge })
+            .collect()
     }
 
     fn seen(&self, post: &Post, time_s: f64) -> (Vector, Vector) {
@@ -190,7 +193,7 @@ impl Journey {
     }
 
     /// The noisy edges of a frame, row by row from left to right.
-    pub(crate) fn edges(&self, posts: &[Post], frame: u32, random: &mut StdRng) -> Vec<Edge> {
+    pub(crate) fn edges(&self, posts: &[Post], frame: u32, random: &mut StdRng) -> Vec<EdgePoint> {
         let mut edges = Vec::new();
         for row in (0..self.camera.rows).step_by(self.row_step) {
             let mut of_row: Vec<_> = posts
@@ -232,9 +235,9 @@ impl<S: Scalar, M: Fn(u32) -> Known> Drive<S, M> {
     }
 
     /// The ranges of the next frame, from left to right.
-    pub(crate) fn frame(&mut self, edges: &[Edge]) -> Vec<Range<S>> {
+    pub(crate) fn frame(&mut self, edges: &[EdgePoint]) -> Vec<Range<S>> {
         for edge in edges {
-            self.ranger.edge(&self.setup, *edge).expect("sound edges");
+            self.ranger.edge_point(&self.setup, *edge).expect("sound edges");
         }
         self.ranger.end_frame(&self.setup);
         let motion = (self.motion)(self.frame);

@@ -1,12 +1,12 @@
 //! `Line`: what is summed, refused and kept.
 
-use shutter_range::{Edge, Line, OutOfOrder};
+use shutter_range::{EdgePoint, Line, OutOfOrder};
 
 use crate::projection::Scene;
 use crate::scenes::{line_of, q16};
 
-fn edges(rows: impl IntoIterator<Item = u16>) -> Vec<Edge> {
-    rows.into_iter().map(|row| Edge::new(row, q16(300.25 + f64::from(row) / 8.0), i64::from(row) * 1000)).collect()
+fn edges(rows: impl IntoIterator<Item = u16>) -> Vec<EdgePoint> {
+    rows.into_iter().map(|row| EdgePoint::new(row, q16(300.25 + f64::from(row) / 8.0), i64::from(row) * 1000)).collect()
 }
 
 #[test]
@@ -36,7 +36,7 @@ fn a_full_list_doubles_its_span_and_loses_nothing() {
     let mut line: Line<8> = Line::new(edges([0])[0]);
     for (count, edge) in edges(1..4096).into_iter().enumerate() {
         line.push(edge).expect("rows in order");
-        assert_eq!(usize::from(line.edges()), count + 2);
+        assert_eq!(usize::from(line.points()), count + 2);
         assert!(line.samples::<f64>().count() <= 8);
     }
     assert_eq!(line.samples::<f64>().count(), 8);
@@ -57,7 +57,7 @@ fn noise_of_a_knot_falls_with_the_root_of_its_edges() {
 fn rows_from_below_give_the_same_means() {
     let down = line_of::<16>(&edges(0..256));
     let mirrored: Vec<_> = (0..256)
-        .map(|step| Edge::new(255 - step, q16(300.25 + f64::from(255 - step) / 8.0), i64::from(step) * 1000))
+        .map(|step| EdgePoint::new(255 - step, q16(300.25 + f64::from(255 - step) / 8.0), i64::from(step) * 1000))
         .collect();
     let up = line_of::<16>(&mirrored);
     let rows = |line: &Line<16>| line.samples::<f64>().map(|sample| sample.row_px).collect::<Vec<_>>();
@@ -73,37 +73,37 @@ fn repeated_and_returning_rows_are_handed_back() {
     let mut line: Line<4> = Line::new(second);
     assert_eq!(line.push(second), Err(OutOfOrder(second)));
     line.push(third).expect("downwards");
-    let late = Edge { time_ns: i64::from(second.row) * 2000, ..first };
+    let late = EdgePoint { time_ns: i64::from(second.row) * 2000, ..first };
     assert_eq!(line.push(late), Err(OutOfOrder(late)), "turned back");
-    let early = Edge { time_ns: 0, ..edges([40])[0] };
+    let early = EdgePoint { time_ns: 0, ..edges([40])[0] };
     assert_eq!(line.push(early), Err(OutOfOrder(early)), "time runs backwards");
-    assert_eq!(line.edges(), 2);
+    assert_eq!(line.points(), 2);
     assert_eq!((line.first().row, line.last().row), (20, 30));
 }
 
 #[test]
 fn the_largest_image_fits() {
-    let rows = (0..u16::MAX).map(|row| Edge {
+    let rows = (0..u16::MAX).map(|row| EdgePoint {
         sigma_q16: u32::MAX,
         width_q8: u16::MAX,
-        ..Edge::new(row, if row % 2 == 0 { i32::MAX } else { i32::MIN }, 3_600_000_000_000)
+        ..EdgePoint::new(row, if row % 2 == 0 { i32::MAX } else { i32::MIN }, 3_600_000_000_000)
     });
     let line = line_of::<4>(&rows.collect::<Vec<_>>());
-    assert_eq!(line.edges(), u16::MAX);
+    assert_eq!(line.points(), u16::MAX);
     assert!(line.samples::<f64>().all(|sample| sample.column_px.abs() < 3.0 && sample.sigma_px > 1.0));
     assert_eq!(line.mean_width_px::<f64>(), Some(f64::from(u16::MAX) / 256.0));
 }
 
 #[test]
 fn widths_are_averaged() {
-    let edges: Vec<_> = edges(0..100).into_iter().map(|edge| Edge { width_q8: 384, ..edge }).collect();
+    let edges: Vec<_> = edges(0..100).into_iter().map(|edge| EdgePoint { width_q8: 384, ..edge }).collect();
     assert_eq!(line_of::<16>(&edges).mean_width_px::<f32>(), Some(1.5));
     assert_eq!(line_of::<16>(&Scene::vga().edges()).mean_width_px::<f32>(), None);
 }
 
 #[test]
 fn sizes_in_memory() {
-    assert_eq!(size_of::<Edge>(), 24);
+    assert_eq!(size_of::<EdgePoint>(), 24);
     // What the documentation of `Ranger` promises.
     type Small = shutter_range::Ranger<16, 12, 32>;
     assert!(size_of::<Small>() <= 16 * (120 + 40 * 12) + 24 * 32 + 96, "{}", size_of::<Small>());

@@ -2,7 +2,7 @@
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
-use shutter_range::{Edge, Estimate, Uncertainty};
+use shutter_range::{EdgePoint, Estimate, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, q16, range_of, tilt_of};
@@ -23,10 +23,10 @@ fn spread(errors: &[f64]) -> Spread {
     Spread { mean, deviation: variance.sqrt(), inside_two_sigma: inside }
 }
 
-fn noisy(edges: &[Edge], sigma_px: f64, random: &mut StdRng) -> Vec<Edge> {
-    let noise = |edge: &Edge| {
+fn noisy(edges: &[EdgePoint], sigma_px: f64, random: &mut StdRng) -> Vec<EdgePoint> {
+    let noise = |edge: &EdgePoint| {
         let error: f64 = random.sample(StandardNormal);
-        Edge { column_q16: edge.column_q16 + q16(error * sigma_px), sigma_q16: q16(sigma_px) as u32, ..*edge }
+        EdgePoint { column_q16: edge.column_q16 + q16(error * sigma_px), sigma_q16: q16(sigma_px) as u32, ..*edge }
     };
     edges.iter().map(noise).collect()
 }

@@ -91,7 +91,7 @@ fn the_other_back_ends_recover_every_depth() {
 fn sparse_rows_through_knots() {
     for line in reference_lines() {
         let scene = line.scene();
-        let range = Range::of_line(&scene.setup::<f64>(), &scene.motion(), &line_of::<16>(&line.edges()));
+        let range = Range::from_line(&scene.setup::<f64>(), &scene.motion(), &line_of::<16>(&line.edges()));
         let error = range.estimate.inverse_depth_per_m * line.truth.depth_m - 1.0;
         assert!(error.abs() < 1e-3, "{}: {error}", line.kind);
     }
@@ -143,7 +143,7 @@ fn the_same_bits_everywhere() {
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
         for line in reference_lines() {
             let scene = line.scene();
-            let range = Range::of_line(
+            let range = Range::from_line(
                 &scene.setup_with::<S>(tilt_of(TENTH_DEGREE)),
                 &scene.motion(),
                 &line_of::<16>(&line.edges()),

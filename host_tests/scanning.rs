@@ -1,7 +1,7 @@
 //! `Scanner`: the edges of single rows of pixels, against rendered rows.
 
 use shutter_range::sim::{Background, Bar, Exposure, Object, Scene, Simulator, Texture};
-use shutter_range::{Polarity, ReadoutDirection, ScannedEdge, Scanner, Uncertainty};
+use shutter_range::{Polarity, ReadoutDirection, ScannedPoint, Scanner, Uncertainty};
 
 use crate::projection;
 
@@ -67,23 +67,23 @@ fn first_row_of<const N: usize>(scene: &Scene<N>, exposure: Exposure) -> Vec<u8>
     rows_of(scene, exposure, 1, 0..1).remove(0)
 }
 
-fn scan(scanner: &mut Scanner, pixels: &[u8]) -> Vec<ScannedEdge> {
+fn scan(scanner: &mut Scanner, pixels: &[u8]) -> Vec<ScannedPoint> {
     let mut edges = Vec::new();
     scanner.scan(pixels, |edge| edges.push(edge));
     edges
 }
 
-fn only(edges: &[ScannedEdge]) -> ScannedEdge {
+fn only(edges: &[ScannedPoint]) -> ScannedPoint {
     let [edge] = edges else { panic!("one edge: {edges:?}") };
     *edge
 }
 
 /// Those within four pixels of a column.
-fn near(edges: &[ScannedEdge], column: f64) -> Vec<ScannedEdge> {
+fn near(edges: &[ScannedPoint], column: f64) -> Vec<ScannedPoint> {
     edges.iter().filter(|edge| (column_px(edge) - column).abs() < 4.0).copied().collect()
 }
 
-fn column_px(edge: &ScannedEdge) -> f64 {
+fn column_px(edge: &ScannedPoint) -> f64 {
     f64::from(edge.column_q16) / 65536.0
 }
 
@@ -315,7 +315,7 @@ fn negatives_and_brighter_rows() {
     for row in busy_rows(Exposure { psf_sigma_px: 0.8, ..noisy(2.0) }) {
         let edges = scan(&mut original, &row);
         let inverted: Vec<u8> = row.iter().map(|pixel| 255 - pixel).collect();
-        let flipped = edges.iter().map(|edge| ScannedEdge { contrast: -edge.contrast, ..*edge });
+        let flipped = edges.iter().map(|edge| ScannedPoint { contrast: -edge.contrast, ..*edge });
         assert_eq!(scan(&mut negative, &inverted), flipped.collect::<Vec<_>>());
         let lifted: Vec<u8> = row.iter().map(|pixel| pixel + 20).collect();
         assert_eq!(scan(&mut brighter, &lifted), edges);

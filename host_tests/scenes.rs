@@ -3,8 +3,8 @@
 use proptest::test_runner::{Config, RngSeed};
 use serde::Deserialize;
 use shutter_range::{
-    Camera, Distortion, Edge, Intrinsics, Limits, Line, Range, Readout, ReadoutDirection, Sample, Scalar, Setup, Twist,
-    Uncertainty,
+    Camera, Distortion, EdgePoint, Intrinsics, Limits, Line, Range, Readout, ReadoutDirection, Sample, Scalar, Setup,
+    Twist, Uncertainty,
 };
 
 use crate::projection::Scene;
@@ -72,7 +72,7 @@ impl ReferenceLine {
         self.rows.iter().zip(&self.columns).map(sample).collect()
     }
 
-    pub(crate) fn edges(&self) -> Vec<Edge> {
+    pub(crate) fn edges(&self) -> Vec<EdgePoint> {
         let scene = self.scene();
         self.rows.iter().zip(&self.columns).map(|(&row, &column)| scene.edge_at(row, column)).collect()
     }
@@ -103,12 +103,12 @@ impl Scene {
         Twist::new(vector(self.velocity_m_s), vector(self.rate_rad_s), vector(self.gravity)).expect("sound motion")
     }
 
-    pub(crate) fn edge_at(&self, row: u16, column_px: f64) -> Edge {
-        Edge::new(row, q16(column_px), (self.time_s(row) * 1e9).round() as i64)
+    pub(crate) fn edge_at(&self, row: u16, column_px: f64) -> EdgePoint {
+        EdgePoint::new(row, q16(column_px), (self.time_s(row) * 1e9).round() as i64)
     }
 
     /// The exact edge on every row that sees it.
-    pub(crate) fn edges(&self) -> Vec<Edge> {
+    pub(crate) fn edges(&self) -> Vec<EdgePoint> {
         self.visible_rows().into_iter().map(|row| self.edge_at(row, self.column(row))).collect()
     }
 }
@@ -117,7 +117,7 @@ pub(crate) fn q16(column_px: f64) -> i32 {
     (column_px * 65536.0).round() as i32
 }
 
-pub(crate) fn line_of<const KNOTS: usize>(edges: &[Edge]) -> Line<KNOTS> {
+pub(crate) fn line_of<const KNOTS: usize>(edges: &[EdgePoint]) -> Line<KNOTS> {
     let (first, rest) = edges.split_first().expect("at least one edge");
     let mut line = Line::new(*first);
     for edge in rest {
@@ -127,8 +127,8 @@ pub(crate) fn line_of<const KNOTS: usize>(edges: &[Edge]) -> Line<KNOTS> {
 }
 
 /// The range of a scene's edges through a line of 16 knots.
-pub(crate) fn range_of<S: Scalar>(scene: &Scene, uncertainty: Uncertainty<S>, edges: &[Edge]) -> Range<S> {
-    Range::of_line(&scene.setup_with(uncertainty), &scene.motion(), &line_of::<16>(edges))
+pub(crate) fn range_of<S: Scalar>(scene: &Scene, uncertainty: Uncertainty<S>, edges: &[EdgePoint]) -> Range<S> {
+    Range::from_line(&scene.setup_with(uncertainty), &scene.motion(), &line_of::<16>(edges))
 }
 
 /// An uncertainty of nothing but tilt.

@@ -1,6 +1,6 @@
 //! Lines continued from frame to frame: what several frames tell of tilt and distance, which edge is which, and what moves.
 
-use shutter_range::{Edge, ErrorSource, Polarity, Q32, Range, RangeStatus, Scalar};
+use shutter_range::{EdgePoint, ErrorSource, Polarity, Q32, Range, RangeStatus, Scalar};
 
 use crate::journey::{Disturbance, Drive, Journey, Path, Post, errors, follow, seed};
 use crate::scenes::{TENTH_DEGREE, tilt_of};
@@ -153,12 +153,12 @@ fn crossing_edges_keep_what_was_known() {
             column(&posts[1]) - column(&posts[0])
         };
         // Nearer than seven pixels, a detector sees both half way to each other.
-        let pull = |edge: &Edge| {
+        let pull = |edge: &EdgePoint| {
             let apart = apart_px(edge.row);
             let of_first =
                 (edge.column_px::<f64>() - journey.column(&posts[0], frame, edge.row).expect("seen")).abs() < 1.0;
             let pulled = if apart.abs() > 7.0 { 0.0 } else { apart / 4.0 * if of_first { 1.0 } else { -1.0 } };
-            Edge { column_q16: edge.column_q16 + (pulled * 65536.0) as i32, ..*edge }
+            EdgePoint { column_q16: edge.column_q16 + (pulled * 65536.0) as i32, ..*edge }
         };
         let edges: Vec<_> = journey.edges(&posts, frame, random).iter().map(pull).collect();
         mixed += u32::from(apart_px(0).abs().min(apart_px(479).abs()) < 7.0);
@@ -203,7 +203,7 @@ fn a_full_table_refuses_and_counts() {
     let mut ranger = crate::journey::SequenceRanger::new();
     let mut sequence = shutter_range::Sequence::<f64, 4>::new();
     for edge in journey.edges(&posts, 0, random) {
-        ranger.edge(&setup, edge).expect("sound");
+        ranger.edge_point(&setup, edge).expect("sound");
     }
     ranger.end_frame(&setup);
     let mut ids = Vec::new();
@@ -224,7 +224,7 @@ fn a_drive_of_100_000_frames() {
     let setup = journey.setup::<f32>(tilt_of(TENTH_DEGREE));
     let mut ranger = crate::journey::SequenceRanger::new();
     let mut sequence = shutter_range::Sequence::<f32, 8>::new();
-    let limits = shutter_range::Limits { tentative_gap_rows: 80, gap_rows: 80, min_edges: 3, ..*setup.limits() };
+    let limits = shutter_range::Limits { tentative_gap_rows: 80, gap_rows: 80, min_points: 3, ..*setup.limits() };
     let setup = setup.with_limits(limits).expect("sound limits");
     let (mut told, mut ok, mut squares, mut ids) = (0_u64, 0_u64, 0.0, 0);
     for frame in 0..FRAMES {
@@ -237,10 +237,10 @@ fn a_drive_of_100_000_frames() {
                 Post { polarity, ..Post::at(f64::from(number), 2.0 + f64::from(number.rem_euclid(4))) }
             })
             .collect();
-        let edges: Vec<Edge> = journey.edges(&posts, frame, random);
+        let edges: Vec<EdgePoint> = journey.edges(&posts, frame, random);
         let seen = posts.iter().filter(|post| edges_of(&journey, post, frame) >= 8).count() as u64;
         for edge in edges {
-            ranger.edge(&setup, edge).expect("sound");
+            ranger.edge_point(&setup, edge).expect("sound");
         }
         ranger.end_frame(&setup);
         let known = journey.known(frame, Disturbance::default());
@@ -266,7 +266,10 @@ fn a_drive_of_100_000_frames() {
     println!("{told} ranges, {ok} ok, {ids} posts, mean square {:.2}", squares / ok as f64);
     // One name for each post that came by.
     assert!((14_900..15_100).contains(&ids), "{ids}");
-    assert_eq!((sequence.dropped_lines(), ranger.counters().dropped_lines, ranger.counters().dropped_edges), (0, 0, 0));
+    assert_eq!(
+        (sequence.dropped_lines(), ranger.counters().dropped_lines, ranger.counters().dropped_points),
+        (0, 0, 0)
+    );
     assert!(ok * 10 > told * 9 && (0.5..2.0).contains(&(squares / ok as f64)));
 }
 

@@ -1,6 +1,6 @@
 //! Every status of a range, reached the way a user would.
 
-use shutter_range::{Edge, Line, Range, RangeStatus, Uncertainty};
+use shutter_range::{EdgePoint, Line, Range, RangeStatus, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
@@ -69,7 +69,7 @@ fn bent() {
         .into_iter()
         .map(|edge| {
             let off = (f64::from(edge.row) - 240.0) / 240.0;
-            Edge { column_q16: edge.column_q16 + q16(1.5 * off * off), ..edge }
+            EdgePoint { column_q16: edge.column_q16 + q16(1.5 * off * off), ..edge }
         })
         .collect();
     let range = range_of::<f32>(&scene, Uncertainty::default(), &arc);
@@ -79,7 +79,7 @@ fn bent() {
     let broken: Vec<_> = scene
         .edges()
         .into_iter()
-        .map(|edge| Edge { column_q16: edge.column_q16 + if edge.row > 240 { q16(4.0) } else { 0 }, ..edge })
+        .map(|edge| EdgePoint { column_q16: edge.column_q16 + if edge.row > 240 { q16(4.0) } else { 0 }, ..edge })
         .collect();
     assert_eq!(range_of::<f32>(&scene, Uncertainty::default(), &broken).status, RangeStatus::Bent);
 }
@@ -90,7 +90,7 @@ fn short() {
     for count in 1..8 {
         let range = range_of::<f64>(&scene, Uncertainty::NONE, &scene.edges()[..count]);
         assert_eq!(range.status, RangeStatus::Short, "{count} edges");
-        assert_eq!(usize::from(range.edges), count);
+        assert_eq!(usize::from(range.points), count);
     }
     assert_ne!(range_of::<f64>(&scene, Uncertainty::NONE, &scene.edges()[..8]).status, RangeStatus::Short);
 }
@@ -101,7 +101,7 @@ fn sideways() {
     let line: Line<16> = line_of(&Scene::vga().edges());
     for gravity in [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.05, 0.0]] {
         let scene = Scene { gravity, ..Scene::vga() };
-        let range = Range::of_line(&scene.setup::<f32>(), &scene.motion(), &line);
+        let range = Range::from_line(&scene.setup::<f32>(), &scene.motion(), &line);
         assert_eq!(range.status, RangeStatus::Sideways, "{gravity:?}");
         assert_eq!(range.estimate.sigma_inverse_depth_per_m, 1e6);
         assert!(range.column_at_first_row.is_finite());

@@ -1,7 +1,7 @@
 //! Properties that need no truth: the mirror, speed and time, units, the direction of readout.
 
 use proptest::prelude::*;
-use shutter_range::{Edge, Range, ReadoutDirection, Uncertainty};
+use shutter_range::{EdgePoint, Range, ReadoutDirection, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{line_of, range_of, seeded};
@@ -33,8 +33,8 @@ fn exact(scene: &Scene) -> Range<f64> {
     range_of(scene, Uncertainty::NONE, &scene.edges())
 }
 
-fn mirrored_edge(scene: &Scene, edge: &Edge) -> Edge {
-    Edge { column_q16: (i32::from(scene.columns - 1) << 16) - edge.column_q16, ..*edge }
+fn mirrored_edge(scene: &Scene, edge: &EdgePoint) -> EdgePoint {
+    EdgePoint { column_q16: (i32::from(scene.columns - 1) << 16) - edge.column_q16, ..*edge }
 }
 
 proptest! {
@@ -111,11 +111,11 @@ proptest! {
             ..scene.clone()
         };
         let edges: Vec<_> = scene.edges().iter()
-            .map(|edge| Edge { row: scene.rows - 1 - edge.row, ..mirrored_edge(&scene, edge) })
+            .map(|edge| EdgePoint { row: scene.rows - 1 - edge.row, ..mirrored_edge(&scene, edge) })
             .collect();
         let setup = turned.setup_read::<f64>(Uncertainty::NONE, ReadoutDirection::BottomToTop);
         prop_assert_eq!(setup.readout().row_time_ns(edges[0].row), edges[0].time_ns);
-        let there = Range::of_line(&setup, &turned.motion(), &line_of::<16>(&edges));
+        let there = Range::from_line(&setup, &turned.motion(), &line_of::<16>(&edges));
         let here = exact(&scene);
         prop_assert!((here.estimate.bearing + there.estimate.bearing).abs() < 1e-9);
         let ratio = here.estimate.inverse_depth_per_m / there.estimate.inverse_depth_per_m;

@@ -1,19 +1,19 @@
 //! `Tracker` and `Ranger`: which edges become which line.
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
-use shutter_range::{Edge, Estimate, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, Uncertainty};
+use shutter_range::{EdgePoint, Estimate, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, q16, reference_lines, tilt_of};
 
 /// Streams rows of edges (from the top) through a ranger and returns its ranges from left to right.
-fn ranges(scene: &Scene, rows: &[Vec<Edge>]) -> Vec<Range<f64>> {
+fn ranges(scene: &Scene, rows: &[Vec<EdgePoint>]) -> Vec<Range<f64>> {
     let setup = scene.setup_with::<f64>(tilt_of(TENTH_DEGREE));
     let mut ranger: Ranger<32, 16, 64> = Ranger::new();
     let mut found = Vec::new();
     for (row, edges) in rows.iter().enumerate() {
         for edge in edges {
-            ranger.edge(&setup, *edge).expect("a sound edge");
+            ranger.edge_point(&setup, *edge).expect("a sound edge");
         }
         ranger.end_row(&setup, row as u16).expect("rows in order");
         found.extend(std::iter::from_fn(|| ranger.next_range(&setup, &scene.motion())));
@@ -25,7 +25,7 @@ fn ranges(scene: &Scene, rows: &[Vec<Edge>]) -> Vec<Range<f64>> {
 }
 
 /// Several edges in one frame: a bearing, a depth and a polarity each.
-fn rows_of(scene: &Scene, posts: &[(f64, f64, Polarity)]) -> Vec<Vec<Edge>> {
+fn rows_of(scene: &Scene, posts: &[(f64, f64, Polarity)]) -> Vec<Vec<EdgePoint>> {
     let edge = |row, &(bearing, depth_m, polarity): &(f64, f64, Polarity)| {
         let column = Scene { bearing, depth_m, ..scene.clone() }.column(row);
         (0.0..639.0).contains(&column).then(|| scene.edge_at(row, column).with_polarity(polarity))
@@ -97,7 +97,7 @@ fn crossing_lines() {
         }
     }
     let found = ranges(&scene, &rows);
-    let mut depths: Vec<_> = found.iter().filter(|range| range.edges > 300).collect();
+    let mut depths: Vec<_> = found.iter().filter(|range| range.points > 300).collect();
     depths.sort_by(|a, b| b.estimate.inverse_depth_per_m.total_cmp(&a.estimate.inverse_depth_per_m));
     assert_eq!(depths.len(), 2, "{found:#?}");
     assert!((depths[0].estimate.inverse_depth_per_m - 1.0).abs() < 1e-3);
@@ -149,7 +149,7 @@ fn sparse_rows() {
         let mut ranger: Ranger<8, 16, 8> = Ranger::new();
         for edges in rows_of(&scene, &[(-0.2, 3.0, Rising), (0.05, 1.0, Rising)]).iter().step_by(step) {
             for edge in edges {
-                ranger.edge(&setup, *edge).expect("a sound edge");
+                ranger.edge_point(&setup, *edge).expect("a sound edge");
             }
         }
         ranger.end_frame(&setup);
@@ -169,7 +169,7 @@ fn curved_edges_are_one_line() {
         for edges in [line.edges(), scene.edges()] {
             let mut ranger: Ranger<4, 32, 4> = Ranger::new();
             for edge in edges {
-                ranger.edge(&setup, edge).expect("a sound edge");
+                ranger.edge_point(&setup, edge).expect("a sound edge");
             }
             ranger.end_frame(&setup);
             let found = ranger.ranges(&setup, &scene.motion::<f64>());
@@ -193,7 +193,7 @@ fn noise_between() {
         }
     }
     let found = ranges(&scene, &rows);
-    let long: Vec<_> = found.iter().filter(|range| range.edges > 400).collect();
+    let long: Vec<_> = found.iter().filter(|range| range.points > 400).collect();
     assert_eq!(long.len(), 2, "{found:#?}");
     for (range, depth_m) in long.iter().zip([2.0, 1.5]) {
         let off = (range.estimate.inverse_depth_per_m - 1.0 / depth_m).abs();
@@ -211,15 +211,15 @@ fn a_full_table_refuses_the_newcomer_and_keeps_its_lines() {
         // From row 100 on, two more lines than there is room for.
         let known = if edges[0].row < 100 { 4 } else { 6 };
         for edge in edges.iter().take(known) {
-            ranger.edge(&setup, *edge).expect("a sound edge");
+            ranger.edge_point(&setup, *edge).expect("a sound edge");
         }
     }
     ranger.end_frame(&setup);
     let found = ranger.ranges(&setup, &scene.motion::<f64>());
     assert_depths(&found, &[3.0; 4]);
-    assert!(found.iter().all(|range| range.edges == 480));
+    assert!(found.iter().all(|range| range.points == 480));
     assert_eq!(ranger.counters().dropped_lines, 2 * 380);
-    assert_eq!(ranger.counters().dropped_edges, 0);
+    assert_eq!(ranger.counters().dropped_points, 0);
 }
 
 #[test]
@@ -228,9 +228,9 @@ fn a_full_row_refuses_the_newcomer() {
     let setup = scene.setup::<f64>();
     let mut ranger: Ranger<8, 8, 3> = Ranger::new();
     for column in [10, 20, 30, 40, 50] {
-        ranger.edge(&setup, Edge::new(0, column << 16, 0)).expect("a sound edge");
+        ranger.edge_point(&setup, EdgePoint::new(0, column << 16, 0)).expect("a sound edge");
     }
-    assert_eq!(ranger.counters().dropped_edges, 2);
+    assert_eq!(ranger.counters().dropped_points, 2);
 }
 
 /// Each row's edges may come in any order.
@@ -252,7 +252,7 @@ fn ended_lines_wait() {
     for _frame in 0..2 {
         for edges in rows_of(&scene, &[(-0.2, 2.0, Rising), (0.1, 1.0, Rising)]) {
             for edge in edges {
-                ranger.edge(&setup, edge).expect("a sound edge");
+                ranger.edge_point(&setup, edge).expect("a sound edge");
             }
         }
         ranger.end_frame(&setup);
@@ -270,7 +270,7 @@ fn from_below() {
         let row = scene.rows - 1 - before;
         let column = scene.column_at(f64::from(row), scene.time_s(before));
         let time_ns = setup.readout().row_time_ns(row);
-        ranger.edge(&setup, Edge::new(row, q16(column), time_ns)).expect("a sound edge");
+        ranger.edge_point(&setup, EdgePoint::new(row, q16(column), time_ns)).expect("a sound edge");
     }
     ranger.end_frame(&setup);
     let found = ranger.ranges(&setup, &scene.motion::<f64>());
@@ -284,5 +284,5 @@ fn from_below() {
 #[test]
 fn can_be_a_static() {
     static RANGER: std::sync::Mutex<Ranger<4, 8, 4>> = std::sync::Mutex::new(Ranger::new());
-    assert!(RANGER.lock().expect("not poisoned").counters().dropped_edges == 0);
+    assert!(RANGER.lock().expect("not poisoned").counters().dropped_points == 0);
 }

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use shutter_range::{
-    Edge, FrameMotion, Micro, Motion, Pose, Q32, Range, Scalar, Stamps, StreamClock, Streams, Trajectory,
-    TrajectoryError, TrajectoryGap, TrajectoryStream, Twist, Uncertainty,
+    EdgePoint, FrameMotion, Micro, Motion, Pose, Q32, Range, Scalar, SensorClock, StampConvention, Trajectory,
+    TrajectoryConfig, TrajectoryError, TrajectoryGap, TrajectoryStream, Twist, Uncertainty,
 };
 
 use crate::projection::Scene;
@@ -12,12 +12,12 @@ use crate::scenes::{line_of, q16, seeded};
 type Vector = [f64; 3];
 
 const MS: i64 = 1_000_000;
-const EXACT: StreamClock = StreamClock { offset_ns: 0, max_gap_ns: 100 * MS as u64 };
-const INSTANTS: Stamps = Stamps::Instant(EXACT);
-const MEANS: Stamps = Stamps::MeanSincePrevious(EXACT);
+const EXACT: SensorClock = SensorClock { offset_ns: 0, max_gap_ns: 100 * MS as u64 };
+const INSTANTS: StampConvention = StampConvention::Instant(EXACT);
+const MEANS: StampConvention = StampConvention::MeanSincePrevious(EXACT);
 
-fn streams(velocity: Stamps) -> Streams {
-    Streams { velocity, rate: Some(INSTANTS), gravity: None }
+fn streams(velocity: StampConvention) -> TrajectoryConfig {
+    TrajectoryConfig { velocity, rate: Some(INSTANTS), gravity: None }
 }
 
 fn seconds(time_ns: i64) -> f64 {
@@ -156,7 +156,7 @@ fn an_arc_is_a_circle() {
 #[test]
 fn braking_is_exact() {
     let at = |t: f64| 2.0 * t - 0.5 * t * t;
-    let mut trajectory: Trajectory<f64, 8> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    let mut trajectory: Trajectory<f64, 8> = Trajectory::new(TrajectoryConfig { rate: None, ..streams(INSTANTS) });
     for k in 0..8 {
         trajectory.push_velocity(k * 50 * MS, [0.0, 0.0, 2.0 - seconds(k * 50 * MS)]).expect("sound");
     }
@@ -176,7 +176,7 @@ fn the_meaning_of_a_stamp() {
     let speed = |t: f64| 2.0 - t;
     let period_ns = 20 * MS;
     let frame = |stamps, at_stamp: fn(f64) -> f64| {
-        let mut trajectory: Trajectory<f64, 16> = Trajectory::new(Streams { rate: None, ..streams(stamps) });
+        let mut trajectory: Trajectory<f64, 16> = Trajectory::new(TrajectoryConfig { rate: None, ..streams(stamps) });
         for k in 0..16 {
             let velocity = [speed(at_stamp(seconds(k * period_ns))), 0.0, 0.0];
             trajectory.push_velocity(k * period_ns, velocity).expect("sound");
@@ -192,7 +192,7 @@ fn the_meaning_of_a_stamp() {
 
 #[test]
 fn means_are_constant_up_to_their_stamp() {
-    let mut trajectory: Trajectory<f64, 4> = Trajectory::new(Streams { rate: None, ..streams(MEANS) });
+    let mut trajectory: Trajectory<f64, 4> = Trajectory::new(TrajectoryConfig { rate: None, ..streams(MEANS) });
     for (stamp_ns, speed) in [(0, 9.0), (10 * MS, 1.0), (20 * MS, 3.0)] {
         trajectory.push_velocity(stamp_ns, [speed, 0.0, 0.0]).expect("sound");
     }
@@ -208,9 +208,12 @@ fn means_are_constant_up_to_their_stamp() {
 #[test]
 fn offsets_of_clocks() {
     for offset_ns in [-7_000_000_000_000, -3 * MS, 0, 4 * MS, 123_456_789_012_345] {
-        let behind = StreamClock { offset_ns, ..EXACT };
-        let mut trajectory: Trajectory<f64, 16> =
-            Trajectory::new(Streams { velocity: INSTANTS, rate: Some(Stamps::Instant(behind)), gravity: None });
+        let behind = SensorClock { offset_ns, ..EXACT };
+        let mut trajectory: Trajectory<f64, 16> = Trajectory::new(TrajectoryConfig {
+            velocity: INSTANTS,
+            rate: Some(StampConvention::Instant(behind)),
+            gravity: None,
+        });
         for k in 0..16 {
             let t = seconds(k * 5 * MS);
             trajectory.push_velocity(k * 5 * MS, [0.0; 3]).expect("sound");
@@ -225,9 +228,12 @@ fn offsets_of_clocks() {
 /// Odometry of 20 Hz and a gyroscope of 200 Hz on a clock of its own, against the integration of small steps.
 #[test]
 fn streams_of_different_rates() {
-    let gyro = StreamClock { offset_ns: 90_000_123, max_gap_ns: 6 * MS as u64 };
-    let mut trajectory: Trajectory<f64, 64> =
-        Trajectory::new(Streams { velocity: INSTANTS, rate: Some(Stamps::Instant(gyro)), gravity: None });
+    let gyro = SensorClock { offset_ns: 90_000_123, max_gap_ns: 6 * MS as u64 };
+    let mut trajectory: Trajectory<f64, 64> = Trajectory::new(TrajectoryConfig {
+        velocity: INSTANTS,
+        rate: Some(StampConvention::Instant(gyro)),
+        gravity: None,
+    });
     for k in 0..8 {
         let stamp_ns = k * 50 * MS;
         trajectory.push_velocity(stamp_ns, (WILD.velocity_m_s)(seconds(stamp_ns))).expect("sound");
@@ -294,7 +300,7 @@ fn gravity_is_turned_along() {
     let down_at = |t: f64| [(roll_rate * t).sin(), (roll_rate * t).cos(), 0.0];
     let gravity_at = |stamps_ns: &[i64], start_ns: i64| {
         let mut trajectory: Trajectory<f64, 64> =
-            Trajectory::new(Streams { gravity: Some(EXACT), ..streams(INSTANTS) });
+            Trajectory::new(TrajectoryConfig { gravity: Some(EXACT), ..streams(INSTANTS) });
         for k in 0..64 {
             trajectory.push_velocity(k * 5 * MS, [1.0, 0.0, 0.0]).expect("sound");
             trajectory.push_rate(k * 5 * MS, [0.0, 0.0, roll_rate]).expect("sound");
@@ -323,7 +329,7 @@ fn gravity_is_turned_along() {
 
 #[test]
 fn the_oldest_samples_give_way() {
-    let mut trajectory: Trajectory<f64, 4> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    let mut trajectory: Trajectory<f64, 4> = Trajectory::new(TrajectoryConfig { rate: None, ..streams(INSTANTS) });
     for k in 0..11 {
         trajectory.push_velocity(k * 80 * MS, [k as f64, 0.0, 0.0]).expect("sound");
     }
@@ -344,7 +350,7 @@ fn stale(at_ns: i64, gap_ns: i64) -> TrajectoryGap {
 
 #[test]
 fn gaps_have_numbers() {
-    let mut trajectory: Trajectory<f32, 8> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    let mut trajectory: Trajectory<f32, 8> = Trajectory::new(TrajectoryConfig { rate: None, ..streams(INSTANTS) });
     for stamp_ns in [0, 50 * MS, 200 * MS, 250 * MS] {
         trajectory.push_velocity(stamp_ns, [1.0, 0.0, 0.0]).expect("sound");
     }
@@ -370,7 +376,8 @@ fn gaps_have_numbers() {
 
 #[test]
 fn samples_that_are_none() {
-    let mut trajectory: Trajectory<f64, 8> = Trajectory::new(Streams { gravity: Some(EXACT), ..streams(INSTANTS) });
+    let mut trajectory: Trajectory<f64, 8> =
+        Trajectory::new(TrajectoryConfig { gravity: Some(EXACT), ..streams(INSTANTS) });
     let value = |result: Result<(), TrajectoryError>| match result {
         Err(TrajectoryError::Value(error)) => error.parameter,
         other => panic!("{other:?}"),
@@ -393,20 +400,21 @@ fn samples_that_are_none() {
     }
     let message = trajectory.push_velocity(4, [0.0; 3]).expect_err("backwards").to_string();
     assert_eq!(message, "velocity at 4 ns came after 5 ns: stamps must increase");
-    let mut bare: Trajectory<f64, 8> = Trajectory::new(Streams { rate: None, ..streams(INSTANTS) });
+    let mut bare: Trajectory<f64, 8> = Trajectory::new(TrajectoryConfig { rate: None, ..streams(INSTANTS) });
     assert_eq!(bare.push_rate(0, [0.0; 3]), Err(TrajectoryError::Undeclared(TrajectoryStream::Rate)));
     assert_eq!(bare.push_gravity(0, [0.0, 1.0, 0.0]), Err(TrajectoryError::Undeclared(TrajectoryStream::Gravity)));
 }
 
 #[test]
 fn it_can_be_a_static_and_is_as_small_as_promised() {
-    const TRAJECTORY: Trajectory<f32, 32> = Trajectory::new(Streams { velocity: MEANS, rate: None, gravity: None });
+    const TRAJECTORY: Trajectory<f32, 32> =
+        Trajectory::new(TrajectoryConfig { velocity: MEANS, rate: None, gravity: None });
     assert!(TRAJECTORY.frame(0, 0..=0).is_err());
     assert!(size_of::<Trajectory<f32, 32>>() <= 3 * (32 * 24 + 64), "{}", size_of::<Trajectory<f32, 32>>());
 }
 
 /// Where the wild ride sees an upright edge on each row, from poses of small steps.
-fn edges_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<Edge> {
+fn edges_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<EdgePoint> {
     let edge = |row: u16| {
         let (position, rotation) = WILD.pose(start_s, start_s + scene.time_s(row));
         let to_camera = |v: Vector| [0, 1, 2].map(|axis| (0..3).map(|k| rotation[k][axis] * v[k]).sum::<f64>());
@@ -416,7 +424,7 @@ fn edges_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<Edge> {
         let w = (f64::from(row) - scene.cy) / scene.focal_px;
         let along = (w * a[2] - a[1]) / (b[1] - w * b[2]);
         let column = scene.cx + scene.focal_px * (a[0] + along * b[0]) / (a[2] + along * b[2]);
-        Edge::new(row, q16(column), (scene.time_s(row) * 1e9).round() as i64)
+        EdgePoint::new(row, q16(column), (scene.time_s(row) * 1e9).round() as i64)
     };
     (0..scene.rows).map(edge).collect()
 }
@@ -432,17 +440,17 @@ fn ranges_under_a_changing_motion() {
         let scene = Scene { gravity: scene.gravity.map(|component| component / length), ..scene };
         let edges = edges_of_a_wild_ride(&scene, start_s);
         let mut trajectory: Trajectory<f64, 128> =
-            Trajectory::new(Streams { gravity: Some(EXACT), ..streams(INSTANTS) });
+            Trajectory::new(TrajectoryConfig { gravity: Some(EXACT), ..streams(INSTANTS) });
         WILD.feed(&mut trajectory, 0, MS);
         trajectory.push_gravity(start_ns, scene.gravity).expect("sound");
         let motion: FrameMotion<'_, f64, 128> = trajectory.frame(start_ns, 0..=34 * MS).expect("covered");
         let setup = scene.setup_with(Uncertainty::NONE);
         let line = line_of::<64>(&edges);
         let error = |inverse_depth: f64| (inverse_depth * depth_m - 1.0).abs();
-        let found = error(Range::of_line(&setup, &motion, &line).estimate.inverse_depth_per_m);
+        let found = error(Range::from_line(&setup, &motion, &line).estimate.inverse_depth_per_m);
         assert!(found < 2e-5, "{found} at {depth_m} m");
         let twist = Twist::new((WILD.velocity_m_s)(start_s), (WILD.rate_rad_s)(start_s), scene.gravity);
-        let constant = Range::of_line(&setup, &twist.expect("sound"), &line).estimate.inverse_depth_per_m;
+        let constant = Range::from_line(&setup, &twist.expect("sound"), &line).estimate.inverse_depth_per_m;
         assert!(error(constant) > 0.003, "{} at {depth_m} m", error(constant));
     }
 }
@@ -487,10 +495,10 @@ proptest! {
         (offset_ns, max_gap_ns, start_ns, from_ns, to_ns) in any::<(i64, u64, i64, i64, i64)>(),
         time_s in -10.0..10.0_f32,
     ) {
-        let clock = StreamClock { offset_ns: offset_ns % 1000, max_gap_ns };
-        let streams = Streams {
-            velocity: Stamps::MeanSincePrevious(clock),
-            rate: Some(Stamps::Instant(StreamClock { offset_ns, max_gap_ns })),
+        let clock = SensorClock { offset_ns: offset_ns % 1000, max_gap_ns };
+        let streams = TrajectoryConfig {
+            velocity: StampConvention::MeanSincePrevious(clock),
+            rate: Some(StampConvention::Instant(SensorClock { offset_ns, max_gap_ns })),
             gravity: Some(clock),
         };
         let mut trajectory: Trajectory<f32, 4> = Trajectory::new(streams);

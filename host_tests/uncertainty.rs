@@ -151,7 +151,7 @@ fn samples_enter_as_they_are() {
     let scene = scene();
     let setup = scene.setup::<f64>();
     let line = line_of::<16>(&scene.edges());
-    let by_line = Range::of_line(&setup, &scene.motion(), &line);
+    let by_line = Range::from_line(&setup, &scene.motion(), &line);
     let by_samples = fit::<f64, _, 16>(&setup, &scene.motion(), line.samples()).expect("a sound line");
     assert_eq!(by_line.estimate, by_samples);
 }
@@ -167,13 +167,13 @@ fn distortion_is_undone() {
     let setup = Setup::new(camera, readout, Uncertainty::NONE, Limits::DEFAULT).expect("sound");
     let edges: Vec<_> = (0..scene.rows).filter_map(|row| distorted_edge(&scene, &camera, row)).collect();
     assert!(edges.len() > 400);
-    let range = Range::of_line(&setup, &scene.motion(), &line_of::<16>(&edges));
+    let range = Range::from_line(&setup, &scene.motion(), &line_of::<16>(&edges));
     assert!((range.estimate.inverse_depth_per_m * scene.depth_m - 1.0).abs() < 1e-4, "{range:?}");
     assert!((range.column_at_first_row - edges[0].column_px::<f64>()).abs() < 2e-3);
 }
 
 /// Where the edge crosses a *recorded* row: bisection over the ideal row.
-fn distorted_edge(scene: &Scene, camera: &shutter_range::Camera<f64>, row: u16) -> Option<shutter_range::Edge> {
+fn distorted_edge(scene: &Scene, camera: &shutter_range::Camera<f64>, row: u16) -> Option<shutter_range::EdgePoint> {
     let time_s = scene.time_s(row);
     let recorded = |ideal_row: f64| {
         let u = (scene.column_at(ideal_row, time_s) - scene.cx) / scene.focal_px;

@@ -17,7 +17,7 @@
 //!
 //! ```
 //! use shutter_range::{
-//!     Camera, Distortion, Edge, Intrinsics, Limits, Ranger, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
+//!     Camera, Distortion, EdgePoint, Intrinsics, Limits, Ranger, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
 //! };
 //! // What stays the same is checked once.
 //! let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
@@ -32,7 +32,7 @@
 //!     // Your edge detector: here a post 3 m away.
 //!     let time_ns = readout.row_time_ns(row);
 //!     let column_px = 250.0 + 600.0 * 2.0 / 3.0 * time_ns as f64 * 1e-9;
-//!     ranger.edge(&setup, Edge::new(row, (column_px * 65536.0) as i32, time_ns))?;
+//!     ranger.edge_point(&setup, EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns))?;
 //! }
 //! ranger.end_frame(&setup);
 //! while let Some(range) = ranger.next_range(&setup, &motion) {
@@ -123,12 +123,12 @@ mod sequence;
 #[cfg(feature = "libm")]
 pub mod sim;
 
-pub use edge::{Edge, Polarity, ScannedEdge, Scanner};
+pub use edge::{EdgePoint, Polarity, ScannedPoint, Scanner};
 pub use error::{EdgeError, FitError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream};
 pub use line::{Counters, Line, OutOfOrder, Tracker};
-pub use motion::{FrameMotion, Motion, Pose, Stamps, StreamClock, Streams, Trajectory, Twist};
+pub use motion::{FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Twist};
 pub use range::{
-    Budget, ErrorSource, Estimate, Interval, LensBlur, LensWitness, Range, RangeStatus, Sample, Spread, fit,
+    Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Range, RangeStatus, Sample, Spread, fit,
 };
 pub use ranger::Ranger;
 #[cfg(feature = "micromath")]

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::edge::{Edge, Neighbours, Profile, Scanner};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::line::{Counters, Line, RowTime, Tracker};
 use crate::motion::Motion;
@@ -10,17 +10,17 @@ use crate::range::Range;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
-/// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `EDGES` edges on one row.
+/// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `POINTS` edges on one row.
 ///
 /// Glue only: it checks the edges, collects those of a row in the order of their columns, hands them to the
 /// [`Tracker`] and ranges the lines that end. It holds tables and no parameters, so that it can be a `static`.
 ///
 /// On a small board make it a `static`, or write `const { Ranger::new() }`: it is then never built and copied on the stack.
 ///
-/// *Memory*: at most `LINES` × (120 + 40 `KNOTS`) + 24 `EDGES` + 96 bytes.
+/// *Memory*: at most `LINES` × (120 + 40 `KNOTS`) + 24 `POINTS` + 96 bytes.
 ///
 /// ```
-/// # use shutter_range::{Camera, Distortion, Edge, Intrinsics, Limits, Ranger, RangeStatus, Readout, Setup, Twist, Uncertainty};
+/// # use shutter_range::{Camera, Distortion, EdgePoint, Intrinsics, Limits, Ranger, RangeStatus, Readout, Setup, Twist, Uncertainty};
 /// # let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
 /// # let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
 /// # let setup = Setup::new(camera, readout, Uncertainty::NONE, Limits::DEFAULT)?;
@@ -29,7 +29,7 @@ use crate::setup::Setup;
 /// for row in 0..480 {
 ///     let time_ns = setup.readout().row_time_ns(row);
 ///     let column_px = 200.0 + 600.0 * 1.5 / 2.5 * time_ns as f64 * 1e-9; // a post 2.5 m away
-///     ranger.edge(&setup, Edge::new(row, (column_px * 65536.0) as i32, time_ns))?;
+///     ranger.edge_point(&setup, EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns))?;
 /// }
 /// ranger.end_frame(&setup);
 /// let range = ranger.next_range(&setup, &motion).expect("one line");
@@ -40,10 +40,10 @@ use crate::setup::Setup;
 /// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Ranger<const LINES: usize, const KNOTS: usize, const EDGES: usize> {
+pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     tracker: Tracker<LINES, KNOTS>,
     /// Edges of the row under way, by column.
-    row: Vec<Edge, EDGES>,
+    row: Vec<EdgePoint, POINTS>,
     last: Option<LastRow>,
     scanner: Scanner,
     torn: bool,
@@ -59,7 +59,7 @@ struct LastRow {
     complete: bool,
 }
 
-impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, KNOTS, EDGES> {
+impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, KNOTS, POINTS> {
     /// A ranger with empty tables.
     #[must_use]
     pub const fn new() -> Self {
@@ -73,16 +73,16 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     /// no error: it is counted.
     ///
     /// *Cost*: a binary search in the row's edges, and a move of those on the right of it.
-    pub fn edge<S: Scalar>(&mut self, setup: &Setup<S>, edge: Edge) -> Result<(), EdgeError> {
-        self.check(setup, &edge)?;
-        if self.last.is_some_and(|last| last.row != edge.row) {
+    pub fn edge_point<S: Scalar>(&mut self, setup: &Setup<S>, point: EdgePoint) -> Result<(), EdgeError> {
+        self.check(setup, &point)?;
+        if self.last.is_some_and(|last| last.row != point.row) {
             self.complete_row(setup);
         }
-        let time_ns = self.last.map_or(edge.time_ns, |last| last.time_ns.max(edge.time_ns));
-        self.last = Some(LastRow { row: edge.row, time_ns, complete: false });
-        let at = self.row.partition_point(|other| other.column_q16 < edge.column_q16);
-        if self.row.insert(at, edge).is_err() {
-            self.tracker.count_dropped_edge();
+        let time_ns = self.last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
+        self.last = Some(LastRow { row: point.row, time_ns, complete: false });
+        let at = self.row.partition_point(|other| other.column_q16 < point.column_q16);
+        if self.row.insert(at, point).is_err() {
+            self.tracker.count_dropped_point();
         }
         Ok(())
     }
@@ -112,18 +112,18 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
         }
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
         self.last = Some(LastRow { row, time_ns: at.time_ns, complete: true });
-        let (edges, tracker) = (&mut self.row, &mut self.tracker);
-        self.scanner.scan(pixels, |edge| {
-            if edges.push(edge.at(row, at.time_ns)).is_err() {
-                tracker.count_dropped_edge();
+        let (points, tracker) = (&mut self.row, &mut self.tracker);
+        self.scanner.scan(pixels, |point| {
+            if points.push(point.at(row, at.time_ns)).is_err() {
+                tracker.count_dropped_point();
             }
         });
-        tracker.refine(setup.limits(), at, pixels, edges);
-        tracker.count_crowds(edges, self.scanner.is_restless());
-        sharpen(edges, pixels, self.scanner.noise_q8());
-        tracker.row(setup.limits(), row, edges);
+        tracker.refine(setup.limits(), at, pixels, points);
+        tracker.count_clutter(points, self.scanner.is_textured());
+        refine_alone(points, pixels, self.scanner.noise_q8());
+        tracker.row(setup.limits(), row, points);
         tracker.learn(row, pixels, self.scanner.noise_q8());
-        edges.clear();
+        points.clear();
         Ok(())
     }
 
@@ -169,7 +169,7 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
     /// The next range of those that are ready, in the order of the lines' places in the table. Ask until there is none
     /// after each row or frame: lines that nobody takes keep their places.
     pub fn next_range<S: Scalar, M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M) -> Option<Range<S>> {
-        self.tracker.next_line().map(|line| Range::of_line(setup, motion, &line))
+        self.tracker.next_line().map(|line| Range::from_line(setup, motion, &line))
     }
 
     /// The next line of those that are ready, for those who range it themselves.
@@ -216,14 +216,14 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
         self.row.clear();
     }
 
-    fn check<S: Scalar>(&self, setup: &Setup<S>, edge: &Edge) -> Result<(), EdgeError> {
+    fn check<S: Scalar>(&self, setup: &Setup<S>, point: &EdgePoint) -> Result<(), EdgeError> {
         const HOUR_NS: i64 = 3_600_000_000_000;
-        let Edge { row, column_q16, time_ns, .. } = *edge;
+        let EdgePoint { row, column_q16, time_ns, .. } = *point;
         if !setup.camera().contains(column_q16, row) {
             return Err(EdgeError::OutsideImage { row, column_q16 });
         }
-        if !(1..=Edge::MAX_SIGMA_Q16).contains(&edge.sigma_q16) {
-            return Err(EdgeError::Sigma { row, sigma_q16: edge.sigma_q16 });
+        if !(1..=EdgePoint::MAX_SIGMA_Q16).contains(&point.sigma_q16) {
+            return Err(EdgeError::Sigma { row, sigma_q16: point.sigma_q16 });
         }
         if !(-HOUR_NS..=HOUR_NS).contains(&time_ns) {
             return Err(EdgeError::TimeRange { time_ns });
@@ -245,16 +245,16 @@ impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Ranger<LINES, K
 
 /// Locates the edges that no line explains as well as their row alone allows. Two that are so near to each other that the scanner
 /// sees one through the other keep their places, but how wide they are is not known.
-fn sharpen(edges: &mut [Edge], pixels: &[u8], noise_q8: u32) {
+fn refine_alone(points: &mut [EdgePoint], pixels: &[u8], noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
-    let mut rest = edges.iter_mut().peekable();
-    while let Some(edge) = rest.next() {
+    let mut rest = points.iter_mut().peekable();
+    while let Some(point) = rest.next() {
         let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| i64::from(next.column_q16));
-        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, i64::from(edge.column_q16));
+        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, i64::from(point.column_q16));
         left_q16 = column_q16;
-        match Profile::sharpen(pixels, edge, around, noise_q8) {
-            Some(sharper) => *edge = sharper,
-            None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => edge.width_q8 = 0,
+        match EdgeModel::refine_alone(pixels, point, around, noise_q8) {
+            Some(sharper) => *point = sharper,
+            None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => point.width_q8 = 0,
             None => {}
         }
     }
@@ -271,7 +271,7 @@ fn check_order<S: Scalar>(setup: &Setup<S>, last: Option<LastRow>, row: u16) -> 
     }
 }
 
-impl<const LINES: usize, const KNOTS: usize, const EDGES: usize> Default for Ranger<LINES, KNOTS, EDGES> {
+impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Default for Ranger<LINES, KNOTS, POINTS> {
     fn default() -> Self {
         Self::new()
     }

@@ -10,7 +10,7 @@ use criterion::{BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_g
 use imageproc::edges::canny;
 use imageproc::hough::{LineDetectionOptions, detect_lines};
 use imageproc::image::GrayImage;
-use shutter_range::{Edge, Line, ParameterError, Range, Ranger, Scalar, ScannedEdge, Scanner, Tracker};
+use shutter_range::{EdgePoint, Line, ParameterError, Range, Ranger, Scalar, ScannedPoint, Scanner, Tracker};
 use shutter_range_bench::{Draw, Rig, Shot, clutter, rod};
 
 /// Lines, knots and edges a row.
@@ -32,7 +32,7 @@ impl Frame {
     }
 
     /// All that the scanner finds, row by row.
-    fn edges(&self) -> Result<Vec<(u16, Vec<Edge>)>, ParameterError> {
+    fn edges(&self) -> Result<Vec<(u16, Vec<EdgePoint>)>, ParameterError> {
         let readout = self.shot.rig.readout()?;
         let mut scanner = Scanner::new();
         let edges_of = |(row, pixels)| {
@@ -51,7 +51,7 @@ impl Frame {
             tracker.row(setup.limits(), row, &edges);
         }
         tracker.end_frame();
-        Ok(std::iter::from_fn(|| tracker.next_line()).max_by_key(Line::edges))
+        Ok(std::iter::from_fn(|| tracker.next_line()).max_by_key(Line::points))
     }
 }
 
@@ -59,7 +59,7 @@ fn scan(frame: &Frame) -> i64 {
     let mut scanner = Scanner::new();
     let mut columns = 0;
     for (_, pixels) in frame.rows() {
-        scanner.scan(pixels, |edge: ScannedEdge| columns += i64::from(edge.column_q16));
+        scanner.scan(pixels, |edge: ScannedPoint| columns += i64::from(edge.column_q16));
     }
     columns
 }
@@ -70,13 +70,13 @@ fn bench_scan(group: &mut BenchmarkGroup<'_, WallTime>, frame: &Frame) {
 
 fn bench_track(group: &mut BenchmarkGroup<'_, WallTime>, frame: &Frame) -> Result<(), ParameterError> {
     let (setup, motion) = (frame.shot.rig.setup::<f32>()?, frame.shot.motion::<f32>()?);
-    let edges: Vec<Edge> = frame.edges()?.into_iter().flat_map(|(_, edges)| edges).collect();
+    let edges: Vec<EdgePoint> = frame.edges()?.into_iter().flat_map(|(_, edges)| edges).collect();
     let mut ranger = Finder::new();
     group.bench_function("track", |bench| {
         bench.iter(|| {
             for edge in black_box(&edges) {
                 // An edge twice in one place is refused, which costs the same.
-                ranger.edge(&setup, *edge).ok();
+                ranger.edge_point(&setup, *edge).ok();
             }
             ranger.end_frame(&setup);
             std::iter::from_fn(|| ranger.next_range(&setup, &motion)).count()
@@ -128,7 +128,7 @@ fn bench_range<S: Scalar + From<f32>>(
 ) -> Result<(), ParameterError> {
     let (setup, motion) = (frame.shot.rig.setup::<S>()?, frame.shot.motion::<S>()?);
     let line = frame.line()?.expect("the rod's edges");
-    group.bench_function(name, |bench| bench.iter(|| Range::of_line(&setup, &motion, black_box(&line))));
+    group.bench_function(name, |bench| bench.iter(|| Range::from_line(&setup, &motion, black_box(&line))));
     Ok(())
 }
 

@@ -78,7 +78,7 @@ fn judge(shot: &Shot, ranges: &[Range<f64>], score: &mut Score, mut report: impl
         let of_it = || ranges.iter().filter(|range| is_of(shot, range, shown));
         let of_status = |ok: bool| of_it().filter(move |range| (range.status == RangeStatus::Ok) == ok);
         // Where there are several, a user would trust the longest.
-        match of_status(true).max_by_key(|range| range.edges) {
+        match of_status(true).max_by_key(|range| range.points) {
             Some(range) => {
                 let outcome = outcome(shot, shown, range);
                 if outcome.error.abs() > LARGE_ERROR * outcome.bound {
@@ -86,7 +86,7 @@ fn judge(shot: &Shot, ranges: &[Range<f64>], score: &mut Score, mut report: impl
                 }
                 score.found.push(outcome);
             }
-            None => report(describe_miss(shown, of_status(false).max_by_key(|range| range.edges))),
+            None => report(describe_miss(shown, of_status(false).max_by_key(|range| range.points))),
         }
     }
     for range in ranges.iter().filter(|range| is_credible(range)) {
@@ -161,7 +161,7 @@ fn describe_range(range: &Range<f64>) -> String {
         range.column_at_first_row,
         range.first_row,
         range.last_row,
-        range.edges,
+        range.points,
         range.estimate.misfit
     )
 }

@@ -55,7 +55,7 @@ impl Rig {
 
     /// As a user would set it up who knows exposure and lens, and that edges are upright.
     pub fn setup<S: Scalar + From<f32>>(&self) -> Result<Setup<S>, ParameterError> {
-        let blur = MotionBlur::of_lens(self.exposure.time_s.into(), self.exposure.psf_sigma_px.into());
+        let blur = MotionBlur::from_calibrated_lens(self.exposure.time_s.into(), self.exposure.psf_sigma_px.into());
         Setup::new(self.camera()?, self.readout()?, Uncertainty::NONE, Limits::default())?.with_motion_blur(blur)
     }
 }

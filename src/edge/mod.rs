@@ -7,7 +7,7 @@ mod moments;
 mod window;
 mod model;
 
-pub(crate) use model::Profile;
-pub use point::{Edge, Polarity};
-pub use scan::{ScannedEdge, Scanner};
+pub(crate) use model::EdgeModel;
+pub use point::{EdgePoint, Polarity};
+pub use scan::{ScannedPoint, Scanner};
 pub(crate) use window::Neighbours;

@@ -1,19 +1,19 @@
-//! [`Profile`]: what a tracked edge looks like, and where the next row has it.
+//! [`EdgeModel`]: what a tracked edge looks like, and where the next row has it.
 //!
 //! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its rows
 //! so far tell both levels and the blur, the maximum-likelihood estimate is a step or a few from the prediction: the row minus
 //! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
 
-use super::moments::Sums;
-use super::point::{Edge, Polarity};
-use super::scan::{ScannedEdge, Scanner};
-use super::spread_function::Template;
-use super::window::{Look, Neighbours, Side, plateau};
+use super::moments::Moments;
+use super::point::{EdgePoint, Polarity};
+use super::scan::{ScannedPoint, Scanner};
+use super::spread_function::SpreadFunction;
+use super::window::{Neighbours, Side, Window, plateau};
 
 /// Levels, blur and noise of a tracked edge, running means over its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct Profile {
+pub(crate) struct EdgeModel {
     /// Brightness on the left and on the right, in 1/65536 grey level.
     levels_q16: [u32; 2],
     /// One sigma of the edge's blur, in 1/4096 px.
@@ -22,11 +22,11 @@ pub(crate) struct Profile {
     /// Variance of a pixel's noise, in 1/65536 square grey level.
     noise_q16: u32,
     /// Mean difference between a row's own level and the running mean, left and right.
-    unrest_q8: [u16; 2],
+    level_scatter_q8: [u16; 2],
     /// One sigma of the pixels' noise when the line was confirmed.
     white_q8: u16,
     /// Rows with texture on either side.
-    restless_rows: u16,
+    textured_rows: u16,
 }
 
 /// What one row says, given the profile.
@@ -50,63 +50,70 @@ const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
 /// Beyond this a row's first look tells the blur only roughly.
 const LONG_BLUR_Q8: u16 = 4 << 8;
-/// Of [`Profile::settled`].
+/// Of [`EdgeModel::settled`].
 const MOST_STEPS: usize = 6;
 /// How far the scanner may draw an edge away from a neighbour, and how far apart, one found and one drawn, they must be: nearer ones
 /// hide each other's levels. So far as the noise tells.
 const MOST_DRAWN_Q16: i64 = 5 << 14;
 const LEAST_APART_Q16: i64 = 5 << 16;
 const SURE_SIGMA_Q16: u32 = 1 << 13;
-/// Of [`Profile::locate`].
+/// Of [`EdgeModel::locate`].
 const MOST_CORRECTIONS: usize = 3;
 
 /// Least contrast in 1/256 grey level.
 const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 /// Rows that tell of texture, at first and beyond doubt.
-const FEW_RESTLESS_ROWS: u16 = 4;
-const MANY_RESTLESS_ROWS: u16 = 12;
+const FEW_TEXTURED_ROWS: u16 = 4;
+const MANY_TEXTURED_ROWS: u16 = 12;
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
-impl Profile {
+impl EdgeModel {
     /// From an edge that a row shows on its own.
-    fn new(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
+    fn new(pixels: &[u8], edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
         let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
-        let mut profile =
-            Self { levels_q16: [0; 2], blur_q12, noise_q16, rows: 1, unrest_q8: [0; 2], white_q8, restless_rows: 0 };
-        profile.look_beside(pixels, i64::from(edge.column_q16), around)?;
-        profile.is_of(edge).then_some(profile)
+        let mut model = Self {
+            levels_q16: [0; 2],
+            blur_q12,
+            noise_q16,
+            rows: 1,
+            level_scatter_q8: [0; 2],
+            white_q8,
+            textured_rows: 0,
+        };
+        model.look_beside(pixels, i64::from(edge.column_q16), around)?;
+        model.is_of(edge).then_some(model)
     }
 
     /// The same with levels and blur of that row found each from the other: a long blur's width is only guessed at first, and
     /// noise may have broken it into pieces.
-    pub(crate) fn settled(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Self> {
-        let mut profile = Self::new(pixels, edge, around, noise_q8)?;
+    pub(crate) fn settled(pixels: &[u8], edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let mut model = Self::new(pixels, edge, around, noise_q8)?;
         let mut column_q16 = i64::from(edge.column_q16);
         for _ in 0..MOST_STEPS {
-            let fit = profile.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
-            let (blur_q12, blur_q16) = (profile.blur_q12, i64::from(profile.blur_q12) << 4);
+            let fit = model.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
+            let (blur_q12, blur_q16) = (model.blur_q12, i64::from(model.blur_q12) << 4);
             column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
-            profile.widen(fit.template_q12, 1);
-            profile.look_beside(pixels, column_q16, around)?;
-            if profile.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
+            model.widen(fit.template_q12, 1);
+            model.look_beside(pixels, column_q16, around)?;
+            if model.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
                 break;
             }
         }
-        profile.is_of(edge).then_some(profile)
+        model.is_of(edge).then_some(model)
     }
 
     /// Takes the levels from the plateaus of a row.
     fn look_beside(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) -> Option<()> {
-        let reach_q16 = i64::from(Template::new(self.blur_q8()).reach_q8()) << 8;
+        let reach_q16 = i64::from(SpreadFunction::new(self.blur_q8()).reach_q8()) << 8;
         let side = |side| plateau(pixels, column_q16, reach_q16, side, around);
         self.levels_q16 = [side(Side::Left)?, side(Side::Right)?];
         Some(())
     }
 
-    fn is_of(&self, edge: &Edge) -> bool {
+    fn is_of(&self, edge: &EdgePoint) -> bool {
         let polarity = if self.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
         polarity == edge.polarity && self.contrast_q8().abs() >= LEAST_CONTRAST_Q8
     }
@@ -132,19 +139,24 @@ impl Profile {
     }
 
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
-    pub(crate) fn sharpen(pixels: &[u8], edge: &Edge, around: Neighbours, noise_q8: u32) -> Option<Edge> {
+    pub(crate) fn refine_alone(
+        pixels: &[u8],
+        edge: &EdgePoint,
+        around: Neighbours,
+        noise_q8: u32,
+    ) -> Option<EdgePoint> {
         let learn = if edge.width_q8 > LONG_BLUR_Q8 { Self::settled } else { Self::new };
-        let mut profile = learn(pixels, edge, around, noise_q8)?;
+        let mut model = learn(pixels, edge, around, noise_q8)?;
         let column_q16 = i64::from(edge.column_q16);
         let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
         let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
-        let found = profile.locate(pixels, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
+        let found = model.locate(pixels, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
         let is_sure = found.sigma_q16 < SURE_SIGMA_Q16;
         if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
             return None;
         }
         let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
-        Some(Edge { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
+        Some(EdgePoint { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
 
     /// The edge near the expected column, and a better profile; `None` where the row shows something else, or where it is farther off
@@ -157,7 +169,7 @@ impl Profile {
         gate_q16: i64,
         drawn_q16: i64,
         around: Neighbours,
-    ) -> Option<ScannedEdge> {
+    ) -> Option<ScannedPoint> {
         let expected = i32::try_from(expected_q16).ok()?;
         let mut fit = self.fit(pixels, expected, around)?;
         let blur_q16 = i64::from(self.blur_q12) << 4;
@@ -179,7 +191,7 @@ impl Profile {
         let half_q8 = i64::from(self.blur_q8() / 2);
         let width_q8 = (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16;
         self.learn(&fit);
-        Some(ScannedEdge {
+        Some(ScannedPoint {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
             sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
             width_q8,
@@ -188,12 +200,12 @@ impl Profile {
     }
 
     fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
-        let template = Template::new(self.blur_q8());
+        let template = SpreadFunction::new(self.blur_q8());
         let expected = i64::from(expected_q16);
         if !self.is_alone(expected, around, pixels.len()) {
             return None;
         }
-        let look = Look::new(pixels, expected, &template, around)?;
+        let look = Window::new(pixels, expected, &template, around)?;
         let of_means = look.sums(&template, self.levels_q8());
         let off_q16 = of_means.off_q16;
         let (sums, [left_q8, right_q8], residual_slope) = self.with_own_levels(&look, &template, of_means)?;
@@ -234,9 +246,14 @@ impl Profile {
     }
 
     /// The sums with the levels that the row itself shows, what these are above the mean ones, and the product of residual and slope.
-    fn with_own_levels(&self, look: &Look<'_>, template: &Template, of_means: Sums) -> Option<(Sums, [i64; 2], i64)> {
+    fn with_own_levels(
+        &self,
+        look: &Window<'_>,
+        template: &SpreadFunction,
+        of_means: Moments,
+    ) -> Option<(Moments, [i64; 2], i64)> {
         let (mut sums, [left_mean_q8, right_mean_q8]) = (of_means, self.levels_q8());
-        if self.is_restless() {
+        if self.is_textured() {
             // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
             // plateau, an error of the width would shift the edge.
             sums.free_levels(look.level_sums(template, [left_mean_q8, right_mean_q8]))?;
@@ -253,7 +270,7 @@ impl Profile {
 
     /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong. `per_grey`
     /// is b/A in 1/65536 px and grey level.
-    fn sigma_q16(&self, sums: &Sums, per_grey: i64) -> Option<i64> {
+    fn sigma_q16(&self, sums: &Moments, per_grey: i64) -> Option<i64> {
         let slope_slope = sums.slope_slope >> 15;
         // With S the slope and n pixels on a plateau, 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
         let of_flank_q16 = (1_i64 << 31).checked_div(slope_slope)?;
@@ -273,22 +290,22 @@ impl Profile {
 
     /// Whether many of the rows have texture beside the edge.
     pub(crate) const fn is_beside_texture(&self) -> bool {
-        self.restless_rows >= FEW_RESTLESS_ROWS && self.restless_rows > self.rows / 4
+        self.textured_rows >= FEW_TEXTURED_ROWS && self.textured_rows > self.rows / 4
     }
 
     /// Whether that is so beyond doubt.
     pub(crate) const fn is_surely_beside_texture(&self) -> bool {
-        self.restless_rows >= MANY_RESTLESS_ROWS && self.is_beside_texture()
+        self.textured_rows >= MANY_TEXTURED_ROWS && self.is_beside_texture()
     }
 
     /// Whether one of the rows' own levels has changed lately by more than noise explains.
-    fn is_restless(&self) -> bool {
-        self.unrest_q8.iter().any(|unrest| self.is_unrest(*unrest))
+    fn is_textured(&self) -> bool {
+        self.level_scatter_q8.iter().any(|level_scatter| self.exceeds_noise(*level_scatter))
     }
 
     /// 0.4 sigma for a mean over four pixels is noise.
-    fn is_unrest(&self, unrest_q8: u16) -> bool {
-        u32::from(unrest_q8) * 4 > u32::from(self.white_q8) * 5
+    fn exceeds_noise(&self, level_scatter_q8: u16) -> bool {
+        u32::from(level_scatter_q8) * 4 > u32::from(self.white_q8) * 5
     }
 
     /// Running means: a small part of each new row, more at first.
@@ -297,11 +314,13 @@ impl Profile {
         let rows = i64::from(self.rows);
         // A few rows of something else are no texture.
         let most_q8 = 4 * i64::from(self.white_q8);
-        for ((mean_q16, unrest_q8), off_q16) in self.levels_q16.iter_mut().zip(&mut self.unrest_q8).zip(fit.off_q16) {
-            *unrest_q8 = toward(*unrest_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
+        for ((mean_q16, level_scatter_q8), off_q16) in
+            self.levels_q16.iter_mut().zip(&mut self.level_scatter_q8).zip(fit.off_q16)
+        {
+            *level_scatter_q8 = toward(*level_scatter_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
             add(mean_q16, off_q16, rows.min(32));
         }
-        self.restless_rows = self.restless_rows.saturating_add(u16::from(self.is_restless()));
+        self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
         self.widen(fit.template_q12, rows.min(16));
         let noise = i64::from(self.noise_q16);
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
@@ -326,9 +345,9 @@ fn root(square: i64) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Neighbours, Profile};
+    use super::{EdgeModel, Neighbours};
     use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
-    use crate::{Camera, Distortion, Edge, Intrinsics, Line, Readout, Scanner, Twist};
+    use crate::{Camera, Distortion, EdgePoint, Intrinsics, Line, Readout, Scanner, Twist};
 
     const ROWS: u16 = 240;
     const FOCAL_PX: f32 = 300.0;
@@ -371,15 +390,15 @@ mod tests {
         };
         let (mut scanner, mut pixels) = (Scanner::new(), [0; 320]);
         simulator.row(0, &mut pixels);
-        let mut first = Edge::new(0, 0, 0);
+        let mut first = EdgePoint::new(0, 0, 0);
         scanner.scan(&pixels, |edge| first = edge.at(0, 0));
-        let mut profile = Profile::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
+        let mut model = EdgeModel::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
         let mut line: Line<16> = Line::new(first);
         let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
             let expected_q16 = (column(row) * 65536.0) as i64;
-            let Some(edge) = profile.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
+            let Some(edge) = model.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
                 assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
                 continue;
             };

@@ -1,10 +1,10 @@
-//! [`Sums`]: inner products over the flank of an edge.
+//! [`Moments`]: inner products over the flank of an edge.
 
 use super::spread_function::Place;
 
 /// Inner products of residual, slope of the profile, and its change with the width, over the flank; what lies beyond.
 #[derive(Default)]
-pub(crate) struct Sums {
+pub(crate) struct Moments {
     pub(crate) pixels: i64,
     pub(crate) residual_residual: i64,
     pub(crate) residual_slope: i64,
@@ -22,7 +22,7 @@ pub(crate) struct Sums {
     pub(crate) off_q16: [i64; 2],
 }
 
-impl Sums {
+impl Moments {
     pub(super) fn add(&mut self, residual: i64, place: &Place) {
         let (step, slope, widening) = (i64::from(place.step), i64::from(place.slope), i64::from(place.widening));
         self.pixels += 1;
@@ -89,13 +89,13 @@ impl Level {
 
 /// Those of the left and of the right level, and of the two with each other.
 #[derive(Default)]
-pub(crate) struct LevelSums {
+pub(crate) struct LevelMoments {
     left: Level,
     right: Level,
     shared: i64,
 }
 
-impl LevelSums {
+impl LevelMoments {
     pub(super) fn add(&mut self, residual: i64, place: &Place) {
         let (slope, right) = (i64::from(place.slope), i64::from(place.step));
         let left = (1 << 15) - right;
@@ -105,11 +105,11 @@ impl LevelSums {
     }
 }
 
-impl Sums {
+impl Moments {
     /// Leaves it to the edge's own pixels to tell the levels: takes out of the sums what the levels explain, by
     /// orthogonalisation, and finds what they are off. `None` where too little of the edge is in view.
-    pub(crate) fn free_levels(&mut self, of_levels: LevelSums) -> Option<()> {
-        let LevelSums { left, mut right, shared } = of_levels;
+    pub(crate) fn free_levels(&mut self, of_levels: LevelMoments) -> Option<()> {
+        let LevelMoments { left, mut right, shared } = of_levels;
         let part = |of: i64, own: i64| (of << 15) / own.max(1);
         let common = part(shared, left.own);
         right.own = (right.own - ((common * shared) >> 15)).max(1 << 26);

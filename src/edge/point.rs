@@ -1,4 +1,4 @@
-//! [`Edge`]: where one row crosses one edge.
+//! [`EdgePoint`]: where one row crosses one edge.
 
 use crate::scalar::{NS_PER_S, Scalar};
 
@@ -19,19 +19,19 @@ pub enum Polarity {
 /// A point of an edge on one row: plain integers, the same on every core. 24 bytes.
 ///
 /// ```
-/// use shutter_range::{Edge, Polarity};
-/// let edge = Edge::new(17, 320 << 16, 1_200_000).with_polarity(Polarity::Rising).with_sigma_q16(3277); // 0.05 px
+/// use shutter_range::{EdgePoint, Polarity};
+/// let edge = EdgePoint::new(17, 320 << 16, 1_200_000).with_polarity(Polarity::Rising).with_sigma_q16(3277); // 0.05 px
 /// assert_eq!(edge.column_px::<f32>(), 320.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Edge {
+pub struct EdgePoint {
     /// Middle of the row's exposure in nanoseconds since frame start; see [`Readout::row_time_ns`](crate::Readout::row_time_ns).
     pub time_ns: i64,
     /// Column in 1/65536 px; pixel centres are at whole numbers.
     pub column_q16: i32,
-    /// One standard deviation of the column's noise in 1/65536 px: 1 to [`Edge::MAX_SIGMA_Q16`].
+    /// One standard deviation of the column's noise in 1/65536 px: 1 to [`EdgePoint::MAX_SIGMA_Q16`].
     pub sigma_q16: u32,
     /// Row in the image.
     pub row: u16,
@@ -41,14 +41,14 @@ pub struct Edge {
     pub polarity: Polarity,
 }
 
-impl Edge {
+impl EdgePoint {
     /// 0.1 px, the noise of an edge that comes without its own.
     pub const DEFAULT_SIGMA_Q16: u32 = 6_554;
 
     /// 256 px: more than that says nothing.
     pub const MAX_SIGMA_Q16: u32 = 1 << 24;
 
-    /// An edge of unknown polarity and width, with [`Edge::DEFAULT_SIGMA_Q16`] of noise.
+    /// An edge of unknown polarity and width, with [`EdgePoint::DEFAULT_SIGMA_Q16`] of noise.
     #[must_use]
     pub const fn new(row: u16, column_q16: i32, time_ns: i64) -> Self {
         let sigma_q16 = Self::DEFAULT_SIGMA_Q16;

@@ -4,12 +4,12 @@
 //! than noise can explain: plain sums, at the speed of memory. A fine one, there alone, slides the difference of two
 //! windows of four pixels over the row: each run of one sign beyond the noise is an edge, and the run's centroid its column.
 
-use super::point::{Edge, Polarity};
+use super::point::{EdgePoint, Polarity};
 
 /// An edge as one row shows it, on its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ScannedEdge {
+pub struct ScannedPoint {
     /// Column in 1/65536 px; pixel centres are at whole numbers.
     pub column_q16: i32,
     /// One standard deviation of the column's noise in 1/65536 px.
@@ -20,7 +20,7 @@ pub struct ScannedEdge {
     pub contrast: i16,
 }
 
-impl ScannedEdge {
+impl ScannedPoint {
     /// Dark to bright or bright to dark.
     #[must_use]
     pub const fn polarity(&self) -> Polarity {
@@ -29,8 +29,8 @@ impl ScannedEdge {
 
     /// As an edge of a row that is read at `time_ns` since frame start.
     #[must_use]
-    pub const fn at(&self, row: u16, time_ns: i64) -> Edge {
-        Edge {
+    pub const fn at(&self, row: u16, time_ns: i64) -> EdgePoint {
+        EdgePoint {
             time_ns,
             column_q16: self.column_q16,
             sigma_q16: self.sigma_q16,
@@ -105,7 +105,7 @@ impl Scanner {
     }
 
     /// Scans a row, dark 0 to bright 255, and hands over its edges from left to right.
-    pub fn scan(&mut self, pixels: &[u8], mut found: impl FnMut(ScannedEdge)) {
+    pub fn scan(&mut self, pixels: &[u8], mut found: impl FnMut(ScannedPoint)) {
         self.learn(pixels);
         let noise_q8 = self.noise_q8();
         let difference = sigma_of(self.difference_q8).max(self.difference_of_noise_q8()).max(LEAST_DIFFERENCE << 6);
@@ -115,7 +115,7 @@ impl Scanner {
     }
 
     /// Whether what is usual in these rows is more than noise.
-    pub(crate) fn is_restless(&self) -> bool {
+    pub(crate) fn is_textured(&self) -> bool {
         sigma_of(self.difference_q8) > 2 * self.difference_of_noise_q8()
     }
 
@@ -280,7 +280,7 @@ impl Run {
         self.valley * 2 < self.peak && size > self.valley + least.max(self.peak / 4)
     }
 
-    fn edge(&self, noise_q8: u32) -> Option<ScannedEdge> {
+    fn edge(&self, noise_q8: u32) -> Option<ScannedPoint> {
         let area = self.area.max(1);
         // A step of contrast A adds up to 16 A.
         let contrast = (area + 8) >> 4;
@@ -292,7 +292,7 @@ impl Run {
         // Not below the blur of a pixel alone.
         let blur_q16 = (variance_q16 - own_q16).max(1 << 13);
         let sigma_q16 = (u64::from(noise_q8) << 8) * (self.length as u64 * 256).isqrt() / (16 * contrast.max(1) as u64);
-        Some(ScannedEdge {
+        Some(ScannedPoint {
             column_q16: i32::try_from(column_q16).ok()?,
             sigma_q16: u32::try_from(sigma_q16).ok()?.max(1),
             width_q8: u16::try_from((blur_q16 as u64).isqrt()).ok()?,
@@ -302,7 +302,7 @@ impl Run {
 }
 
 /// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise.
-fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedEdge)) {
+fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedPoint)) {
     let from = from.saturating_sub(2 * WINDOW);
     let to = (to + 2 * WINDOW).min(pixels.len());
     let Some(stretch) = pixels.get(from..to).filter(|stretch| stretch.len() > 2 * WINDOW) else {

@@ -1,4 +1,4 @@
-//! [`Template`]: the profile of a blurred edge, in integers.
+//! [`SpreadFunction`]: the profile of a blurred edge, in integers.
 //!
 //! A lens and the pixel blur an edge as a Gauss does, and motion as a box does. Of the two boxes, pixel and motion, the
 //! wider one is taken as it is and the other one as a part of the Gauss: exact for no motion and for a long one.
@@ -6,7 +6,7 @@
 /// A step of height one after a box of width b and a Gauss of sigma s. One number, the standard deviation of the blur, decides
 /// about both: up to what a usual lens explains s grows, beyond it the box.
 #[derive(Clone, Copy)]
-pub(crate) struct Template {
+pub(crate) struct SpreadFunction {
     pub(crate) box_q8: i32,
     lens_q8: i32,
     /// 1/s in 1/256 px, times 2²⁰; 1/b likewise, times 2²⁴.
@@ -24,7 +24,7 @@ pub(crate) struct Place {
     pub(crate) step: i32,
     /// Its slope times b.
     pub(crate) slope: i32,
-    /// Its change with the width, times [`Template::per_widening_q8`].
+    /// Its change with the width, times [`SpreadFunction::per_widening_q8`].
     pub(crate) widening: i32,
     /// Its change where the lens blurs more and the box less, the width being the same; zero where there is no box.
     pub(crate) shape: i32,
@@ -40,7 +40,7 @@ const LENS_VARIANCE_Q16: i32 = 32113;
 const LENS_AND_PIXEL_Q8: i32 = 194;
 const LEAST_LENS_Q8: i32 = 40;
 
-impl Template {
+impl SpreadFunction {
     /// Of an edge whose blur has this standard deviation, the pixel's own included.
     pub(crate) fn new(width_q8: u16) -> Self {
         // Twelve times the square must fit.

@@ -1,8 +1,8 @@
-//! [`Look`]: the pixels around an edge, and what they say for and against an expected profile.
+//! [`Window`]: the pixels around an edge, and what they say for and against an expected profile.
 
-use super::moments::{LevelSums, Sums};
-use super::point::Edge;
-use super::spread_function::Template;
+use super::moments::{LevelMoments, Moments};
+use super::point::EdgePoint;
+use super::spread_function::SpreadFunction;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -22,7 +22,7 @@ impl Neighbours {
 
     /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
     /// noise breaks a long blur.
-    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e Edge>, edge: &Edge) -> Self {
+    pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e EdgePoint>, edge: &EdgePoint) -> Self {
         let mut around = Self::NONE;
         for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
             if column_q16 < edge.column_q16 {
@@ -39,15 +39,20 @@ impl Neighbours {
 const PLATEAU: i64 = 4;
 
 /// The pixels around an edge: its flank, and a plateau on either side.
-pub(crate) struct Look<'p> {
+pub(crate) struct Window<'p> {
     flank: &'p [u8],
     plateaus: [&'p [u8]; 2],
     /// Of the flank's first pixel from the expected column.
     off_q8: i32,
 }
 
-impl<'p> Look<'p> {
-    pub(crate) fn new(pixels: &'p [u8], column_q16: i64, template: &Template, around: Neighbours) -> Option<Self> {
+impl<'p> Window<'p> {
+    pub(crate) fn new(
+        pixels: &'p [u8],
+        column_q16: i64,
+        template: &SpreadFunction,
+        around: Neighbours,
+    ) -> Option<Self> {
         let reach_q16 = i64::from(template.reach_q8()) << 8;
         let (from_q16, to_q16) = view(column_q16, reach_q16, around);
         let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
@@ -63,8 +68,8 @@ impl<'p> Look<'p> {
     }
 
     /// What the flank says of the levels themselves, given those to expect.
-    pub(crate) fn level_sums(&self, template: &Template, levels_q8: [i64; 2]) -> LevelSums {
-        let mut sums = LevelSums::default();
+    pub(crate) fn level_sums(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> LevelMoments {
+        let mut sums = LevelMoments::default();
         let [left_q8, right_q8] = levels_q8;
         for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
             let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
@@ -74,8 +79,8 @@ impl<'p> Look<'p> {
     }
 
     /// Given the levels to expect.
-    pub(crate) fn sums(&self, template: &Template, levels_q8: [i64; 2]) -> Sums {
-        let mut sums = Sums::default();
+    pub(crate) fn sums(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> Moments {
+        let mut sums = Moments::default();
         let [left_q8, right_q8] = levels_q8;
         let contrast_q8 = right_q8 - left_q8;
         for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {

@@ -1,8 +1,8 @@
-//! [`Sweep`]: which edge of a row belongs to which line.
+//! [`Association`]: which edge of a row belongs to which line.
 
 use core::iter::Peekable;
 
-use crate::edge::Edge;
+use crate::edge::EdgePoint;
 
 /// Where a line should cross a row, and how far off an edge there may lie.
 #[derive(Clone, Copy)]
@@ -16,27 +16,27 @@ pub(crate) struct Prediction {
 /// A line or an edge on the way from left to right.
 #[derive(Clone, Copy)]
 enum Item {
-    Edge(Edge),
+    Point(EdgePoint),
     Line { slot: usize, gate_q16: i64, coasting: bool },
 }
 
 /// An edge and a line that may belong together.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair {
-    pub(crate) edge: Edge,
+    pub(crate) point: EdgePoint,
     pub(crate) slot: usize,
     distance_q16: i64,
     pub(crate) coasting: bool,
 }
 
 /// What has become of an edge.
-pub(crate) enum Settled {
-    Joined(Pair),
-    Alone(Edge),
+pub(crate) enum Outcome {
+    Matched(Pair),
+    Unmatched(EdgePoint),
 }
 
 /// Matches edges to lines, both in the order of their columns: each other's nearest belong together.
-pub(crate) struct Sweep<I: Iterator<Item = (Prediction, usize)>> {
+pub(crate) struct Association<I: Iterator<Item = (Prediction, usize)>> {
     lines: Peekable<I>,
     /// The item before, if it is not yet settled.
     previous: Option<(i64, Item)>,
@@ -44,21 +44,21 @@ pub(crate) struct Sweep<I: Iterator<Item = (Prediction, usize)>> {
     pair: Option<Pair>,
 }
 
-impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
+impl<I: Iterator<Item = (Prediction, usize)>> Association<I> {
     pub(crate) fn over(lines: I) -> Self {
         Self { lines: lines.peekable(), previous: None, pair: None }
     }
 
     /// Takes the next edge; `settle` hears of those whose fate is now known, in the order of columns.
-    pub(crate) fn edge(&mut self, edge: Edge, settle: &mut impl FnMut(Settled)) {
-        let column = i64::from(edge.column_q16);
+    pub(crate) fn point(&mut self, point: EdgePoint, settle: &mut impl FnMut(Outcome)) {
+        let column = i64::from(point.column_q16);
         while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
             self.advance(Some(item_of(&line, slot)), settle);
         }
-        self.advance(Some((column, Item::Edge(edge))), settle);
+        self.advance(Some((column, Item::Point(point))), settle);
     }
 
-    pub(crate) fn finish(mut self, settle: &mut impl FnMut(Settled)) {
+    pub(crate) fn finish(mut self, settle: &mut impl FnMut(Outcome)) {
         while let Some((line, slot)) = self.lines.next() {
             self.advance(Some(item_of(&line, slot)), settle);
         }
@@ -66,7 +66,7 @@ impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
     }
 
     /// Two neighbours of different kind are a pair unless one of them is nearer to its neighbour on the other side.
-    fn advance(&mut self, next: Option<(i64, Item)>, settle: &mut impl FnMut(Settled)) {
+    fn advance(&mut self, next: Option<(i64, Item)>, settle: &mut impl FnMut(Outcome)) {
         let pair = match (self.previous, next) {
             (Some(left), Some(right)) => pair_up(left, right),
             _ => None,
@@ -78,10 +78,10 @@ impl<I: Iterator<Item = (Prediction, usize)>> Sweep<I> {
         };
         match (self.pair.take(), self.previous.take()) {
             // The line before leaves its edge for a nearer one.
-            (Some(left), Some((_, Item::Line { .. }))) if nearer => settle(Settled::Alone(left.edge)),
+            (Some(left), Some((_, Item::Line { .. }))) if nearer => settle(Outcome::Unmatched(left.point)),
             (Some(_), _) if nearer => {}
-            (Some(left), _) => settle(Settled::Joined(left)),
-            (None, Some((_, Item::Edge(edge)))) if !nearer => settle(Settled::Alone(edge)),
+            (Some(left), _) => settle(Outcome::Matched(left)),
+            (None, Some((_, Item::Point(point)))) if !nearer => settle(Outcome::Unmatched(point)),
             (None, _) => {}
         }
         self.pair = pair.filter(|_| nearer);
@@ -97,9 +97,9 @@ fn item_of(line: &Prediction, slot: usize) -> (i64, Item) {
 fn pair_up(left: (i64, Item), right: (i64, Item)) -> Option<Pair> {
     let distance_q16 = right.0 - left.0;
     match (left.1, right.1) {
-        (Item::Edge(edge), Item::Line { slot, gate_q16, coasting })
-        | (Item::Line { slot, gate_q16, coasting }, Item::Edge(edge)) => {
-            (distance_q16 <= gate_q16).then_some(Pair { edge, slot, distance_q16, coasting })
+        (Item::Point(point), Item::Line { slot, gate_q16, coasting })
+        | (Item::Line { slot, gate_q16, coasting }, Item::Point(point)) => {
+            (distance_q16 <= gate_q16).then_some(Pair { point, slot, distance_q16, coasting })
         }
         _ => None,
     }

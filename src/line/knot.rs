@@ -1,6 +1,6 @@
 //! [`Knot`]: the edges of a span of rows, summed.
 
-use crate::edge::Edge;
+use crate::edge::EdgePoint;
 
 /// Sums over the edges of a span of rows, counted from the line's first edge. Sums are exact and know no order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,27 +11,27 @@ pub(crate) struct Knot {
     pub(crate) variances_q32: u64,
     pub(crate) rows: u32,
     pub(crate) widths_q8: u32,
-    pub(crate) edges: u16,
+    pub(crate) points: u16,
     /// Number of edges whose width was measured.
     pub(crate) widths: u16,
 }
 
 impl Knot {
     pub(crate) const EMPTY: Self =
-        Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, edges: 0, widths: 0 };
+        Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, points: 0, widths: 0 };
 
-    pub(super) fn of(edge: &Edge, first: &Edge) -> Self {
+    pub(super) fn of(point: &EdgePoint, first: &EdgePoint) -> Self {
         // A sum of 65535 squares fits; a sigma of zero would be an infinite weight.
-        let sigma = u64::from(edge.sigma_q16.clamp(1, Edge::MAX_SIGMA_Q16));
+        let sigma = u64::from(point.sigma_q16.clamp(1, EdgePoint::MAX_SIGMA_Q16));
         let variance = sigma * sigma;
         Self {
-            columns_q16: i64::from(edge.column_q16) - i64::from(first.column_q16),
-            times_ns: edge.time_ns.saturating_sub(first.time_ns),
+            columns_q16: i64::from(point.column_q16) - i64::from(first.column_q16),
+            times_ns: point.time_ns.saturating_sub(first.time_ns),
             variances_q32: variance,
-            rows: u32::from(edge.row.abs_diff(first.row)),
-            widths_q8: u32::from(edge.width_q8),
-            edges: 1,
-            widths: u16::from(edge.width_q8 > 0),
+            rows: u32::from(point.row.abs_diff(first.row)),
+            widths_q8: u32::from(point.width_q8),
+            points: 1,
+            widths: u16::from(point.width_q8 > 0),
         }
     }
 
@@ -42,7 +42,7 @@ impl Knot {
         self.variances_q32 = self.variances_q32.saturating_add(other.variances_q32);
         self.rows = self.rows.saturating_add(other.rows);
         self.widths_q8 = self.widths_q8.saturating_add(other.widths_q8);
-        self.edges = self.edges.saturating_add(other.edges);
+        self.points = self.points.saturating_add(other.points);
         self.widths = self.widths.saturating_add(other.widths);
     }
 }

@@ -3,12 +3,12 @@
 use heapless::Vec;
 
 use super::knot::Knot;
-use crate::edge::Edge;
+use crate::edge::EdgePoint;
 
 /// An edge refused by a [`Line`]: its row does not come after the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct OutOfOrder(pub Edge);
+pub struct OutOfOrder(pub EdgePoint);
 
 /// The edges of one line: first, last, and at most `KNOTS` knots (40 bytes each).
 ///
@@ -18,23 +18,23 @@ pub struct OutOfOrder(pub Edge);
 /// *Accuracy*: 16 knots of a full-row edge cost at most 3·10⁻⁵ of the depth (2·10⁻⁴ with tilt free).
 ///
 /// ```
-/// use shutter_range::{Edge, Line};
-/// let mut line: Line<16> = Line::new(Edge::new(100, 320 << 16, 0));
+/// use shutter_range::{EdgePoint, Line};
+/// let mut line: Line<16> = Line::new(EdgePoint::new(100, 320 << 16, 0));
 /// for row in 101..400 {
-///     line.push(Edge::new(row, 320 << 16, i64::from(row - 100) * 30_000)).unwrap();
+///     line.push(EdgePoint::new(row, 320 << 16, i64::from(row - 100) * 30_000)).unwrap();
 /// }
-/// assert_eq!(line.edges(), 300);
+/// assert_eq!(line.points(), 300);
 /// assert_eq!(line.samples::<f32>().count(), 10); // spans of 32 rows
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Line<const KNOTS: usize> {
     pub(crate) knots: Vec<Knot, KNOTS>,
-    pub(crate) first: Edge,
-    pub(crate) last: Edge,
-    pub(crate) edges: u16,
+    pub(crate) first: EdgePoint,
+    pub(crate) last: EdgePoint,
+    pub(crate) points: u16,
     /// Rows with several edges of no line, wherever they are, or with texture beside this one.
-    crowded_rows: u16,
+    cluttered_rows: u16,
     /// It was found in rows of pixels, where an edge is to be seen in nearly every row.
     of_pixels: bool,
     /// Rows per knot: 2 to this power.
@@ -46,10 +46,17 @@ impl<const KNOTS: usize> Line<KNOTS> {
 
     /// A line of one edge.
     #[must_use]
-    pub fn new(first: Edge) -> Self {
+    pub fn new(first: EdgePoint) -> Self {
         let () = Self::AT_LEAST_FOUR;
-        let mut line =
-            Self { knots: Vec::new(), first, last: first, edges: 1, crowded_rows: 0, of_pixels: false, span_log2: 0 };
+        let mut line = Self {
+            knots: Vec::new(),
+            first,
+            last: first,
+            points: 1,
+            cluttered_rows: 0,
+            of_pixels: false,
+            span_log2: 0,
+        };
         line.add(&Knot::of(&first, &first), 0);
         line
     }
@@ -59,21 +66,21 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// *Errors*: hands the edge back where its row repeats or goes back, or its time does.
     ///
     /// *Cost*: a few dozen instructions; a merge of all knots each time the line's length doubles.
-    pub fn push(&mut self, edge: Edge) -> Result<(), OutOfOrder> {
-        self.check_order(&edge)?;
-        self.add(&Knot::of(&edge, &self.first), edge.row.abs_diff(self.first.row));
-        self.last = edge;
-        self.edges = self.edges.saturating_add(1);
+    pub fn push(&mut self, point: EdgePoint) -> Result<(), OutOfOrder> {
+        self.check_order(&point)?;
+        self.add(&Knot::of(&point, &self.first), point.row.abs_diff(self.first.row));
+        self.last = point;
+        self.points = self.points.saturating_add(1);
         Ok(())
     }
 
     /// Whether an edge comes after the last one, and on the same side of the first.
-    fn check_order(&self, edge: &Edge) -> Result<(), OutOfOrder> {
-        let advance = i32::from(edge.row) - i32::from(self.last.row);
+    fn check_order(&self, point: &EdgePoint) -> Result<(), OutOfOrder> {
+        let advance = i32::from(point.row) - i32::from(self.last.row);
         let so_far = i32::from(self.last.row) - i32::from(self.first.row);
         let turned_back = advance.signum() * so_far.signum() < 0;
-        if advance == 0 || turned_back || edge.time_ns < self.last.time_ns {
-            return Err(OutOfOrder(*edge));
+        if advance == 0 || turned_back || point.time_ns < self.last.time_ns {
+            return Err(OutOfOrder(*point));
         }
         Ok(())
     }
@@ -87,27 +94,27 @@ impl<const KNOTS: usize> Line<KNOTS> {
             return Err(OutOfOrder(later.first));
         }
         let start = Knot::of(&later.first, &self.first);
-        for knot in later.knots.iter().filter(|knot| knot.edges > 0) {
-            let edges = knot.edges;
+        for knot in later.knots.iter().filter(|knot| knot.points > 0) {
+            let points = knot.points;
             let knot = Knot {
-                columns_q16: knot.columns_q16.saturating_add(start.columns_q16 * i64::from(edges)),
-                times_ns: knot.times_ns.saturating_add(start.times_ns.saturating_mul(i64::from(edges))),
-                rows: knot.rows.saturating_add(start.rows * u32::from(edges)),
+                columns_q16: knot.columns_q16.saturating_add(start.columns_q16 * i64::from(points)),
+                times_ns: knot.times_ns.saturating_add(start.times_ns.saturating_mul(i64::from(points))),
+                rows: knot.rows.saturating_add(start.rows * u32::from(points)),
                 ..*knot
             };
-            self.add(&knot, knot.rows.checked_div(u32::from(edges)).unwrap_or(0) as u16);
+            self.add(&knot, knot.rows.checked_div(u32::from(points)).unwrap_or(0) as u16);
         }
         self.last = later.last;
-        self.edges = self.edges.saturating_add(later.edges);
-        self.crowded_rows = self.crowded_rows.saturating_add(later.crowded_rows);
+        self.points = self.points.saturating_add(later.points);
+        self.cluttered_rows = self.cluttered_rows.saturating_add(later.cluttered_rows);
         Ok(())
     }
 
     /// Raises the sigmas of all edges so far to at least this.
-    pub(crate) fn blunt(&mut self, sigma_q16: u32) {
+    pub(crate) fn raise_sigmas(&mut self, sigma_q16: u32) {
         let square = u64::from(sigma_q16) * u64::from(sigma_q16);
         for knot in &mut self.knots {
-            knot.variances_q32 = knot.variances_q32.max(square.saturating_mul(u64::from(knot.edges)));
+            knot.variances_q32 = knot.variances_q32.max(square.saturating_mul(u64::from(knot.points)));
         }
     }
 
@@ -119,42 +126,42 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels
     }
 
-    pub(crate) fn count_crowded_row(&mut self) {
-        self.crowded_rows = self.crowded_rows.saturating_add(1);
+    pub(crate) fn count_cluttered_row(&mut self) {
+        self.cluttered_rows = self.cluttered_rows.saturating_add(1);
     }
 
     /// Whether most of its rows are crowded, as in texture or clutter.
-    pub(crate) const fn is_crowded(&self) -> bool {
-        self.crowded_rows > self.edges / 2
+    pub(crate) const fn is_cluttered(&self) -> bool {
+        self.cluttered_rows > self.points / 2
     }
 
     /// The edge that was read first.
     #[must_use]
-    pub const fn first(&self) -> &Edge {
+    pub const fn first(&self) -> &EdgePoint {
         &self.first
     }
 
     /// The edge that was read last.
     #[must_use]
-    pub const fn last(&self) -> &Edge {
+    pub const fn last(&self) -> &EdgePoint {
         &self.last
     }
 
     /// Number of edges.
     #[must_use]
-    pub const fn edges(&self) -> u16 {
-        self.edges
+    pub const fn points(&self) -> u16 {
+        self.points
     }
 
     /// The topmost and the lowest edge in the image.
-    pub(crate) const fn top_and_bottom(&self) -> (&Edge, &Edge) {
+    pub(crate) const fn top_and_bottom(&self) -> (&EdgePoint, &EdgePoint) {
         if self.first.row <= self.last.row { (&self.first, &self.last) } else { (&self.last, &self.first) }
     }
 
     /// Number of edges in those of the samples that are `kept`.
-    pub(crate) fn edges_in(&self, kept: impl Iterator<Item = bool>) -> u16 {
-        let filled = self.knots.iter().filter(|knot| knot.edges > 0);
-        filled.zip(kept).fold(0, |sum, (knot, kept)| if kept { knot.edges.saturating_add(sum) } else { sum })
+    pub(crate) fn points_in(&self, kept: impl Iterator<Item = bool>) -> u16 {
+        let filled = self.knots.iter().filter(|knot| knot.points > 0);
+        filled.zip(kept).fold(0, |sum, (knot, kept)| if kept { knot.points.saturating_add(sum) } else { sum })
     }
 
     /// Adds a knot's sums to the knot that covers the row `offset` rows from the first.

@@ -2,7 +2,7 @@
 
 use super::association::Prediction;
 use super::line::Line;
-use crate::edge::{Edge, Neighbours, Profile};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours};
 use crate::setup::Limits;
 
 /// A line, and where it goes: a line fit with fading memory.
@@ -16,12 +16,12 @@ pub(crate) struct Track<const KNOTS: usize> {
     /// Filtered slope in 1/65536 px per row of readout.
     slope_q16: i32,
     /// What the edge looks like, once it is confirmed and there are pixels to tell.
-    pub(crate) profile: Option<Profile>,
+    pub(crate) model: Option<EdgeModel>,
     /// Mean distance of the last edges from where they were expected, in 1/65536 px.
     scatter_q16: u16,
     missed_rows: u16,
     /// Edges since the last one that looked as expected.
-    strange_edges: u8,
+    unexpected_points: u8,
     /// It has been beside texture: its edges are stated to be as noisy as they scatter.
     is_beside_texture: bool,
 }
@@ -34,18 +34,18 @@ pub(crate) enum State {
 }
 
 /// The filter's gain falls with the number of edges down to this one's, so that it can follow a curve.
-const MEMORY_EDGES: i64 = 64;
-const LEAST_MEMORY_EDGES: i64 = 16;
+const MEMORY_POINTS: i64 = 64;
+const LEAST_MEMORY_POINTS: i64 = 16;
 /// Rows without an edge after which a line of pixels is hidden.
 const MOST_GUESSED_ROWS: u16 = 4;
 /// A line of fewer edges does not tell how steep it is; one of more is one of its own.
-const LEAST_YOUNG_EDGES: u16 = 8;
-const MOST_YOUNG_EDGES: u16 = 32;
+const LEAST_STITCH_POINTS: u16 = 8;
+const MOST_STITCH_POINTS: u16 = 32;
 /// Edges that do not look as expected, after which a new look is taken.
-const MOST_STRANGE_EDGES: u8 = 8;
+const MOST_UNEXPECTED_POINTS: u8 = 8;
 /// From so many edges on they tell how much they scatter.
-const SCATTER_EDGES: i64 = 12;
-const SCATTER_MEMORY_EDGES: i64 = 24;
+const SCATTER_POINTS: i64 = 12;
+const SCATTER_MEMORY_POINTS: i64 = 24;
 /// Half a pixel: what scatters more is no edge.
 const MOST_SCATTER_Q16: u16 = 1 << 15;
 /// Root of the number of rows in which texture errs alike.
@@ -56,16 +56,16 @@ const NO_TURN_Q16: u64 = 1 << 10;
 const MAX_GATE_Q16: i64 = 48 << 16;
 
 impl<const KNOTS: usize> Track<KNOTS> {
-    pub(crate) fn new(edge: Edge) -> Self {
+    pub(crate) fn new(point: EdgePoint) -> Self {
         Self {
-            line: Line::new(edge),
+            line: Line::new(point),
             state: State::Tentative,
-            column_q16: i64::from(edge.column_q16),
+            column_q16: i64::from(point.column_q16),
             slope_q16: 0,
-            profile: None,
+            model: None,
             scatter_q16: MOST_SCATTER_Q16,
             missed_rows: 0,
-            strange_edges: 0,
+            unexpected_points: 0,
             is_beside_texture: false,
         }
     }
@@ -73,14 +73,14 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = i64::from(row.abs_diff(self.line.last().row));
-        let edges = self.memory();
+        let points = self.memory();
         // What the slope may still be off: everything after one edge, ever less after.
-        let slope_q16 = i64::from(limits.max_slope_q16) / (edges * edges);
+        let slope_q16 = i64::from(limits.max_slope_q16) / (points * points);
         let noise_q16 = 4 * self.row_sigma_q16();
         // The better a line is known, the less an edge may miss it; over a gap it may have bent.
-        let base_q16 = (i64::from(limits.gate_q16) * 8 * rows / edges).min(i64::from(limits.gate_q16));
+        let base_q16 = (i64::from(limits.gate_q16) * 8 * rows / points).min(i64::from(limits.gate_q16));
         let mut gate_q16 = base_q16 + noise_q16 + slope_q16 * rows;
-        if self.profile.is_some() && i64::from(self.line.edges()) >= SCATTER_EDGES {
+        if self.model.is_some() && i64::from(self.line.points()) >= SCATTER_POINTS {
             gate_q16 = gate_q16.min(self.scatter_gate_q16(rows));
         }
         let column_q16 = self.column_q16 + i64::from(self.slope_q16) * rows;
@@ -100,9 +100,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// How many edges the filter remembers: fewer where rows are sparse, since a curve bends between them.
     fn memory(&self) -> i64 {
-        let edges = i64::from(self.line.edges()).max(1);
+        let points = i64::from(self.line.points()).max(1);
         let rows = i64::from(self.line.last().row.abs_diff(self.line.first().row)) + 1;
-        edges.min((MEMORY_EDGES * edges / rows).clamp(LEAST_MEMORY_EDGES, MEMORY_EDGES))
+        points.min((MEMORY_POINTS * points / rows).clamp(LEAST_MEMORY_POINTS, MEMORY_POINTS))
     }
 
     /// Counts a row without an edge.
@@ -114,10 +114,10 @@ impl<const KNOTS: usize> Track<KNOTS> {
         // The longer a line has been, the longer it may be hidden.
         let gap = match self.state {
             State::Tentative => limits.tentative_gap_rows,
-            State::Confirmed if self.profile.is_some() => {
-                limits.gap_rows.saturating_add(self.line.edges().saturating_mul(2))
+            State::Confirmed if self.model.is_some() => {
+                limits.gap_rows.saturating_add(self.line.points().saturating_mul(2))
             }
-            State::Confirmed => limits.gap_rows.saturating_add(self.line.edges() / 2),
+            State::Confirmed => limits.gap_rows.saturating_add(self.line.points() / 2),
         };
         self.missed_rows > gap
     }
@@ -134,7 +134,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if !self.is_beside_texture {
             return sigma_q16;
         }
-        sigma_q16.max(self.scatter_sigma_q16()).min(Edge::MAX_SIGMA_Q16 / LIKE_ROWS) * LIKE_ROWS
+        sigma_q16.max(self.scatter_sigma_q16()).min(EdgePoint::MAX_SIGMA_Q16 / LIKE_ROWS) * LIKE_ROWS
     }
 
     /// One sigma of normal values is 5/4 of their mean size.
@@ -149,21 +149,21 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Takes an edge that matches: a line fit with fading memory, updated edge by edge.
-    pub(crate) fn take(&mut self, edge: Edge, limits: &Limits) -> bool {
-        let rows = i64::from(edge.row.abs_diff(self.line.last().row));
-        if self.line.push(edge).is_err() {
+    pub(crate) fn take(&mut self, point: EdgePoint, limits: &Limits) -> bool {
+        let rows = i64::from(point.row.abs_diff(self.line.last().row));
+        if self.line.push(point).is_err() {
             return false;
         }
         let n = self.memory();
         let predicted = self.column_q16 + i64::from(self.slope_q16) * rows;
-        let off = self.scatter(i64::from(edge.column_q16) - predicted, n);
+        let off = self.scatter(i64::from(point.column_q16) - predicted, n);
         let count = n * (n + 1);
         self.column_q16 = predicted + off * (4 * n - 2) / count.max(1);
         let slope = i64::from(self.slope_q16) + 6 * off / (count * rows).max(1);
         self.slope_q16 = slope.clamp(-(1 << 30), 1 << 30) as i32;
         self.missed_rows = 0;
         // A line that leans more than one may begin with is none of ours, however well it is seen.
-        if self.line.edges() >= limits.confirm_edges && self.slope_q16.unsigned_abs() <= limits.max_slope_q16 {
+        if self.line.points() >= limits.confirm_points && self.slope_q16.unsigned_abs() <= limits.max_slope_q16 {
             self.state = State::Confirmed;
         }
         true
@@ -171,22 +171,22 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// Counts how far off its prediction an edge is, and returns what of it the filter may follow: beside texture another edge
     /// that crosses must not lead the line astray.
-    fn scatter(&mut self, off_q16: i64, edges: i64) -> i64 {
+    fn scatter(&mut self, off_q16: i64, points: i64) -> i64 {
         let scatter_q16 = i64::from(self.scatter_q16);
         let size_q16 = off_q16.abs().min(4 * scatter_q16);
-        let mean_q16 = scatter_q16 + (size_q16 - scatter_q16) / edges.clamp(1, SCATTER_MEMORY_EDGES);
+        let mean_q16 = scatter_q16 + (size_q16 - scatter_q16) / points.clamp(1, SCATTER_MEMORY_POINTS);
         self.scatter_q16 = mean_q16.clamp(1, i64::from(MOST_SCATTER_Q16)) as u16;
         if self.is_beside_texture { off_q16.clamp(-2 * scatter_q16, 2 * scatter_q16) } else { off_q16 }
     }
 
     /// Takes an edge that its row shows on its own. Where these go on and none looks as expected, what was seen when the line
     /// was confirmed was something else.
-    pub(crate) fn take_scanned(&mut self, edge: Edge, limits: &Limits) -> bool {
-        let taken = self.take(Edge { sigma_q16: self.stated_sigma_q16(edge.sigma_q16), ..edge }, limits);
-        self.strange_edges = self.strange_edges.saturating_add(u8::from(taken));
-        if self.strange_edges > MOST_STRANGE_EDGES {
-            self.strange_edges = 0;
-            self.profile = None;
+    pub(crate) fn take_scanned(&mut self, point: EdgePoint, limits: &Limits) -> bool {
+        let taken = self.take(EdgePoint { sigma_q16: self.stated_sigma_q16(point.sigma_q16), ..point }, limits);
+        self.unexpected_points = self.unexpected_points.saturating_add(u8::from(taken));
+        if self.unexpected_points > MOST_UNEXPECTED_POINTS {
+            self.unexpected_points = 0;
+            self.model = None;
         }
         taken
     }
@@ -198,15 +198,15 @@ impl<const KNOTS: usize> Track<KNOTS> {
         at: RowTime,
         pixels: &[u8],
         around: Neighbours,
-    ) -> Option<Edge> {
-        let profile = self.profile.as_mut()?;
-        let mut found = profile.locate(pixels, prediction.column_q16, prediction.gate_q16, 0, around)?;
-        if profile.is_surely_beside_texture() && !self.is_beside_texture {
+    ) -> Option<EdgePoint> {
+        let model = self.model.as_mut()?;
+        let mut found = model.locate(pixels, prediction.column_q16, prediction.gate_q16, 0, around)?;
+        if model.is_surely_beside_texture() && !self.is_beside_texture {
             // What holds from now on held for the rows before as well.
             self.is_beside_texture = true;
-            self.line.blunt(self.stated_sigma_q16(0));
+            self.line.raise_sigmas(self.stated_sigma_q16(0));
         }
-        self.strange_edges = 0;
+        self.unexpected_points = 0;
         // A row that disagrees with its line weighs less.
         let off_q16 = i64::from(found.column_q16).abs_diff(prediction.column_q16);
         found.sigma_q16 = self.stated_sigma_q16(found.sigma_q16.max((off_q16 / 2).min(1 << 24) as u32));
@@ -215,17 +215,17 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// Whether the line is out of sight: it is then not looked for any more, where texture would soon pass for it.
     pub(crate) fn is_hidden(&self) -> bool {
-        self.profile.is_some() && self.missed_rows > MOST_GUESSED_ROWS
+        self.model.is_some() && self.missed_rows > MOST_GUESSED_ROWS
     }
 
     /// Whether the line is so young that it may be a piece of an older one, and old enough to tell how steep it is.
-    pub(crate) fn is_young(&self) -> bool {
-        self.state == State::Confirmed && (LEAST_YOUNG_EDGES..=MOST_YOUNG_EDGES).contains(&self.line.edges())
+    pub(crate) fn is_stitchable(&self) -> bool {
+        self.state == State::Confirmed && (LEAST_STITCH_POINTS..=MOST_STITCH_POINTS).contains(&self.line.points())
     }
 
     /// How far off this hidden line a young one goes on, if it may be the same edge: where it is expected, and as steep as far as its
     /// edges tell, if they are as noisy as this line's.
-    pub(crate) fn continued_by(&self, young: &Self, limits: &Limits) -> Option<u64> {
+    pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u64> {
         let (mine, theirs) = (&self.line, &young.line);
         if !self.is_hidden() || mine.first().polarity != theirs.first().polarity {
             return None;
@@ -234,19 +234,19 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let off_q16 = young.column_q16.abs_diff(prediction.column_q16);
         let turn_q16 = u64::from(self.slope_q16.abs_diff(young.slope_q16));
         // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be noisier.
-        let edges = u64::from(theirs.edges().max(1));
+        let points = u64::from(theirs.points().max(1));
         let theirs_q16 = if self.is_beside_texture { young.scatter_q16 } else { 0 };
         let scatter_q16 = u64::from(self.scatter_q16.max(theirs_q16));
-        let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (edges * edges * edges).isqrt().max(1);
+        let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
         let goes_on = off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
         goes_on.then_some(off_q16)
     }
 
     /// Goes on as a young line does.
-    pub(crate) fn go_on_as(&mut self, young: &Self) -> bool {
+    pub(crate) fn append_stitched(&mut self, young: &Self) -> bool {
         let mut later = young.line.clone();
         if self.is_beside_texture {
-            later.blunt(self.stated_sigma_q16(young.scatter_sigma_q16()));
+            later.raise_sigmas(self.stated_sigma_q16(young.scatter_sigma_q16()));
         }
         if self.line.append(&later).is_err() {
             return false;

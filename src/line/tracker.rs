@@ -2,11 +2,11 @@
 
 use heapless::Vec;
 
-use super::association::{Pair, Prediction, Settled, Sweep};
+use super::association::{Association, Outcome, Pair, Prediction};
 use super::counters::Counters;
 use super::line::Line;
 use super::track::{RowTime, State, Track};
-use crate::edge::{Edge, Neighbours, Polarity, Profile};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, Polarity};
 use crate::setup::Limits;
 
 /// Lines of a frame under way: at most `LINES` of `KNOTS` knots each.
@@ -37,7 +37,7 @@ struct Explained {
 }
 
 /// A row with more edges that belong to no confirmed line is crowded.
-const MOST_EDGES_APART: usize = 1;
+const MOST_UNMATCHED_POINTS: usize = 1;
 /// Most that [`Explained::reach_q16`] can be.
 const MAX_REACH_Q16: i64 = 34 << 16;
 
@@ -63,7 +63,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// An empty tracker.
     #[must_use]
     pub const fn new() -> Self {
-        let counters = Counters { dropped_edges: 0, dropped_lines: 0, stray_edges: 0 };
+        let counters = Counters { dropped_points: 0, dropped_lines: 0, stray_points: 0 };
         const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
         let tracks = [const { None }; LINES];
         Self { tracks, counters, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
@@ -71,28 +71,33 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
     /// be left out, rows without edges should be given, since lines end by missing rows.
-    pub fn row(&mut self, limits: &Limits, row: u16, edges: &[Edge]) {
+    pub fn row(&mut self, limits: &Limits, row: u16, points: &[EdgePoint]) {
         self.occupied = 0;
-        if !edges.is_empty() {
+        if !points.is_empty() {
             let mut predictions = Vec::new();
             self.predict(limits, row, &mut predictions);
             for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
-                self.match_edges(limits, &predictions, edges.iter().filter(|edge| edge.polarity == polarity), polarity);
+                self.match_points(
+                    limits,
+                    &predictions,
+                    points.iter().filter(|point| point.polarity == polarity),
+                    polarity,
+                );
             }
         }
         self.count_missed(limits, row);
-        self.join_pieces(limits, row);
+        self.stitch_all(limits, row);
     }
 
     /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
     /// to lie in line by chance.
-    pub(crate) fn count_crowds(&mut self, edges: &[Edge], is_restless: bool) {
-        let is_crowded = is_restless || edges.len() > MOST_EDGES_APART;
+    pub(crate) fn count_clutter(&mut self, points: &[EdgePoint], is_textured: bool) {
+        let is_cluttered = is_textured || points.len() > MOST_UNMATCHED_POINTS;
         for place in &self.under_way {
             if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
-                let beside_texture = track.profile.is_some_and(|profile| profile.is_beside_texture());
-                if (is_crowded || beside_texture) && !track.is_hidden() {
-                    track.line.count_crowded_row();
+                let beside_texture = track.model.is_some_and(|model| model.is_beside_texture());
+                if (is_cluttered || beside_texture) && !track.is_hidden() {
+                    track.line.count_cluttered_row();
                 }
             }
         }
@@ -100,12 +105,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
     /// of those that the row shows on its own. To be called before [`Tracker::row`] takes the rest.
-    pub(crate) fn refine<const EDGES: usize>(
+    pub(crate) fn refine<const POINTS: usize>(
         &mut self,
         limits: &Limits,
         at: RowTime,
         pixels: &[u8],
-        edges: &mut Vec<Edge, EDGES>,
+        points: &mut Vec<EdgePoint, POINTS>,
     ) {
         let mut explained: Vec<Explained, LINES> = Vec::new();
         // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
@@ -123,10 +128,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 left_q16: column(candidates.iter().take(index).rfind(ends)).unwrap_or(Neighbours::NONE.left_q16),
                 right_q16: column(candidates.iter().skip(index + 1).find(ends)).unwrap_or(Neighbours::NONE.right_q16),
             };
-            if let Some(edge) = track.locate(&candidate.prediction, at, pixels, around) {
-                let reach_q16 = (5 << 16) / 2 + i64::from(edge.width_q8) * 640;
-                if track.take(edge, limits) {
-                    let (column_q16, polarity) = (i64::from(edge.column_q16), edge.polarity);
+            if let Some(point) = track.locate(&candidate.prediction, at, pixels, around) {
+                let reach_q16 = (5 << 16) / 2 + i64::from(point.width_q8) * 640;
+                if track.take(point, limits) {
+                    let (column_q16, polarity) = (i64::from(point.column_q16), point.polarity);
                     // One per line at most.
                     let at = explained.partition_point(|other| other.column_q16 <= column_q16);
                     let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity });
@@ -134,14 +139,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             }
         }
         let mut nearby = 0;
-        edges.retain(|edge| {
-            let column = i64::from(edge.column_q16);
+        points.retain(|point| {
+            let column = i64::from(point.column_q16);
             nearby += explained.iter().skip(nearby).take_while(|e| e.column_q16 + MAX_REACH_Q16 < column).count();
             !explained
                 .iter()
                 .skip(nearby)
                 .take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column)
-                .any(|e| e.polarity == edge.polarity && (e.column_q16 - column).abs() <= e.reach_q16)
+                .any(|e| e.polarity == point.polarity && (e.column_q16 - column).abs() <= e.reach_q16)
         });
     }
 
@@ -149,14 +154,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
         for place in &self.under_way {
             let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Option::as_ref);
-            let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.profile.is_none();
-            let Some(edge) = track(place).filter(is_new).map(|track| *track.line.last()) else { continue };
-            if edge.row == row {
+            let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.model.is_none();
+            let Some(point) = track(place).filter(is_new).map(|track| *track.line.last()) else { continue };
+            if point.row == row {
                 let others = self.under_way.iter().filter_map(track).map(|track| track.line.last());
-                let around = Neighbours::among(others.filter(|other| other.row == row), &edge);
-                let profile = Profile::settled(pixels, &edge, around, noise_q8);
+                let around = Neighbours::among(others.filter(|other| other.row == row), &point);
+                let model = EdgeModel::settled(pixels, &point, around, noise_q8);
                 if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
-                    track.profile = profile;
+                    track.model = model;
                     track.line.mark_as_of_pixels();
                 }
             }
@@ -167,8 +172,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     pub(crate) fn abandon(&mut self) {
         for place in &self.under_way {
             if let Some(slot) = self.tracks.get_mut(usize::from(*place)) {
-                let edges = slot.take().map_or(0, |track| track.line.edges());
-                self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
+                let points = slot.take().map_or(0, |track| track.line.points());
+                self.counters.stray_points = self.counters.stray_points.saturating_add(u32::from(points));
             }
         }
         self.under_way.clear();
@@ -202,13 +207,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         &self.counters
     }
 
-    pub(crate) fn count_dropped_edge(&mut self) {
-        self.counters.dropped_edges = self.counters.dropped_edges.saturating_add(1);
+    pub(crate) fn count_dropped_point(&mut self) {
+        self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
     /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
     /// hidden ones would leave no place for what they wait for.
-    fn has_room_to_join(&self) -> bool {
+    fn has_room_to_stitch(&self) -> bool {
         let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.as_ref());
         let hidden = tracks.filter(|track| track.is_hidden()).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
@@ -216,7 +221,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
     fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
-        let room = self.has_room_to_join();
+        let room = self.has_room_to_stitch();
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Option::as_ref);
@@ -251,29 +256,29 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
     /// not take its edges. What matches nothing begins a line.
-    fn match_edges<'e>(
+    fn match_points<'e>(
         &mut self,
         limits: &Limits,
         candidates: &[Candidate],
-        edges: impl Iterator<Item = &'e Edge>,
+        points: impl Iterator<Item = &'e EdgePoint>,
         polarity: Polarity,
     ) {
         let lines = |state| {
             let among = move |candidate: &&Candidate| candidate.state == state && candidate.polarity == polarity;
             candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
         };
-        let mut confirmed = Sweep::over(lines(State::Confirmed));
-        let mut tentative = Sweep::over(lines(State::Tentative));
+        let mut confirmed = Association::over(lines(State::Confirmed));
+        let mut tentative = Association::over(lines(State::Tentative));
         let last = |settled, tracker: &mut Self| match settled {
-            Settled::Joined(pair) => tracker.join(&pair, limits),
-            Settled::Alone(edge) => tracker.begin(edge),
+            Outcome::Matched(pair) => tracker.join(&pair, limits),
+            Outcome::Unmatched(point) => tracker.begin(point),
         };
         let mut first = |settled, tracker: &mut Self| match settled {
-            Settled::Joined(pair) => tracker.join(&pair, limits),
-            Settled::Alone(edge) => tentative.edge(edge, &mut |settled| last(settled, tracker)),
+            Outcome::Matched(pair) => tracker.join(&pair, limits),
+            Outcome::Unmatched(point) => tentative.point(point, &mut |settled| last(settled, tracker)),
         };
-        for edge in edges {
-            confirmed.edge(*edge, &mut |settled| first(settled, self));
+        for point in points {
+            confirmed.point(*point, &mut |settled| first(settled, self));
         }
         confirmed.finish(&mut |settled| first(settled, self));
         tentative.finish(&mut |settled| last(settled, self));
@@ -284,19 +289,19 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return;
         }
         let taken = match self.tracks.get_mut(pair.slot) {
-            Some(Some(track)) => track.take_scanned(pair.edge, limits),
+            Some(Some(track)) => track.take_scanned(pair.point, limits),
             _ => false,
         };
         if !taken {
-            self.begin(pair.edge);
+            self.begin(pair.point);
         }
     }
 
     /// A young line may be a piece of one that is hidden: that goes on with it.
-    fn join_pieces(&mut self, limits: &Limits, row: u16) {
+    fn stitch_all(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
-            if self.join_piece(limits, row, place).is_some() && index < self.under_way.len() {
+            if self.stitch(limits, row, place).is_some() && index < self.under_way.len() {
                 self.under_way.swap_remove(index);
             } else {
                 index += 1;
@@ -304,16 +309,17 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    fn join_piece(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
+    fn stitch(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
         let slot = usize::from(place);
-        let young = self.tracks.get(slot)?.as_ref().filter(|young| young.is_young() && young.line.last().row == row)?;
+        let young =
+            self.tracks.get(slot)?.as_ref().filter(|young| young.is_stitchable() && young.line.last().row == row)?;
         let others = self.under_way.iter().filter_map(|other| {
             let older = self.tracks.get(usize::from(*other))?.as_ref()?;
-            Some((older.continued_by(young, limits)?, *other))
+            Some((older.stitch_distance(young, limits)?, *other))
         });
         let (_, nearest) = others.min()?;
         let young = self.tracks.get_mut(slot)?.take()?;
-        let joined = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.go_on_as(&young);
+        let joined = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.append_stitched(&young);
         if !joined {
             *self.tracks.get_mut(slot)? = Some(young);
             return None;
@@ -322,11 +328,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Begins a tentative line, if there is room.
-    fn begin(&mut self, edge: Edge) {
+    fn begin(&mut self, point: EdgePoint) {
         let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, track)| track.is_none());
         match free {
             Some((slot, free)) => {
-                *free = Some(Track::new(edge));
+                *free = Some(Track::new(point));
                 self.occupied = slot + 1;
                 // A place for each slot.
                 let _ = self.under_way.push(slot as u16);
@@ -358,8 +364,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             // A place for each slot.
             let _ = self.ended.push(place);
         } else {
-            let edges = slot.take().map_or(0, |track| track.line.edges());
-            self.counters.stray_edges = self.counters.stray_edges.saturating_add(u32::from(edges));
+            let points = slot.take().map_or(0, |track| track.line.points());
+            self.counters.stray_points = self.counters.stray_points.saturating_add(u32::from(points));
         }
     }
 }

@@ -10,6 +10,6 @@ mod trajectory;
 
 pub(crate) use checked::checked_direction;
 pub use motion::{Motion, Pose};
-pub use sensor_clock::{Stamps, StreamClock};
-pub use trajectory::{FrameMotion, Streams, Trajectory};
+pub use sensor_clock::{SensorClock, StampConvention};
+pub use trajectory::{FrameMotion, Trajectory, TrajectoryConfig};
 pub use twist::Twist;

@@ -2,7 +2,7 @@
 
 use heapless::Deque;
 
-use super::sensor_clock::Stamps;
+use super::sensor_clock::StampConvention;
 use crate::error::{TrajectoryError, TrajectoryGap, TrajectoryStream};
 use crate::scalar::{NS_PER_S, Scalar, add, scale, sub};
 
@@ -27,13 +27,13 @@ pub(crate) struct Stamped<S> {
 pub(crate) struct Stream<S, const N: usize> {
     stream: TrajectoryStream,
     /// `None` where there is no such sensor: no samples, no gaps, and the value is zero.
-    stamps: Option<Stamps>,
+    stamps: Option<StampConvention>,
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     samples: Deque<Stamped<S>, N>,
 }
 
 impl<S: Scalar, const N: usize> Stream<S, N> {
-    pub(crate) const fn new(stream: TrajectoryStream, stamps: Option<Stamps>) -> Self {
+    pub(crate) const fn new(stream: TrajectoryStream, stamps: Option<StampConvention>) -> Self {
         Self { stream, stamps, samples: Deque::new() }
     }
 
@@ -96,7 +96,7 @@ impl<S: Scalar, const N: usize> Stream<S, N> {
     /// The value `time_s` after `zero_ns`, between the last of `count` samples and the next one. Held at the ends.
     pub(crate) fn value(&self, count: usize, zero_ns: i64, time_s: S) -> [S; 3] {
         match (self.around(count), &self.stamps) {
-            ((Some(before), Some(after)), Some(Stamps::Instant(_))) => {
+            ((Some(before), Some(after)), Some(StampConvention::Instant(_))) => {
                 blend(before.value, after.value, part(before, after, zero_ns, time_s))
             }
             ((_, Some(sample)) | (Some(sample), None), _) => sample.value,

@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 use super::checked::{checked_direction, checked_rate, checked_velocity};
 use super::motion::{Motion, Pose};
 use super::sample_buffer::{Stamped, Stream, blend, part, seconds};
-use super::sensor_clock::{Stamps, StreamClock};
+use super::sensor_clock::{SensorClock, StampConvention};
 use crate::error::{TrajectoryError, TrajectoryGap, TrajectoryStream};
 use crate::scalar::{Scalar, dot};
 
@@ -13,13 +13,13 @@ use crate::scalar::{Scalar, dot};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Streams {
+pub struct TrajectoryConfig {
     /// Of the velocity.
-    pub velocity: Stamps,
+    pub velocity: StampConvention,
     /// Of the rotation rate. `None`: the camera does not turn.
-    pub rate: Option<Stamps>,
+    pub rate: Option<StampConvention>,
     /// Of the direction of gravity, each at the instant of its stamp. `None`: the camera is level at every frame start.
-    pub gravity: Option<StreamClock>,
+    pub gravity: Option<SensorClock>,
 }
 
 /// The last `N` samples each of velocity, rotation rate and gravity, with stamps of their own clocks, as a [`Motion`] for
@@ -27,7 +27,7 @@ pub struct Streams {
 ///
 /// All values are in the camera's axes *at their own instant*, as sensors that are bolted to it see them (turn them
 /// into its axes before). The streams may have different rates, and a frame may lie before, between or after samples:
-/// values are held there as long as their [`StreamClock`] trusts them. Where one is missing or stale there is no motion,
+/// values are held there as long as their [`SensorClock`] trusts them. Where one is missing or stale there is no motion,
 /// but a [`TrajectoryGap`] with its number. The oldest samples give way when the table is full.
 ///
 /// Between neighbouring stamps of any stream the twist is constant, with the values in the middle: exact for a constant
@@ -37,13 +37,13 @@ pub struct Streams {
 /// *Memory*: three times `N` × (8 bytes + 3 numbers), in `f32` 24 bytes.
 ///
 /// ```
-/// use shutter_range::{Motion, Readout, Stamps, StreamClock, Streams, Trajectory};
+/// use shutter_range::{Motion, Readout, StampConvention, SensorClock, TrajectoryConfig, Trajectory};
 /// // Wheel ticks counted over 50 ms, in the camera's clock; a gyroscope of 200 Hz whose clock is 2 s ahead of it.
-/// let wheels = StreamClock { offset_ns: 0, max_gap_ns: 150_000_000 };
-/// let gyro = StreamClock { offset_ns: -2_000_000_000, max_gap_ns: 20_000_000 };
-/// let mut trajectory: Trajectory<f32, 16> = Trajectory::new(Streams {
-///     velocity: Stamps::MeanSincePrevious(wheels),
-///     rate: Some(Stamps::Instant(gyro)),
+/// let wheels = SensorClock { offset_ns: 0, max_gap_ns: 150_000_000 };
+/// let gyro = SensorClock { offset_ns: -2_000_000_000, max_gap_ns: 20_000_000 };
+/// let mut trajectory: Trajectory<f32, 16> = Trajectory::new(TrajectoryConfig {
+///     velocity: StampConvention::MeanSincePrevious(wheels),
+///     rate: Some(StampConvention::Instant(gyro)),
 ///     gravity: None, // level
 /// });
 /// for k in 0..16 {
@@ -75,10 +75,10 @@ impl<S: Scalar, const N: usize> Trajectory<S, N> {
 
     /// Without samples.
     #[must_use]
-    pub const fn new(streams: Streams) -> Self {
+    pub const fn new(streams: TrajectoryConfig) -> Self {
         let () = Self::AT_LEAST_ONE;
         let gravity = match streams.gravity {
-            Some(clock) => Some(Stamps::Instant(clock)),
+            Some(clock) => Some(StampConvention::Instant(clock)),
             None => None,
         };
         Self {

@@ -1,10 +1,10 @@
-//! [`BlurWitness`]: what the blur of an edge says of its motion, whatever its lean.
+//! [`BlurMeasurement`]: what the blur of an edge says of its motion, whatever its lean.
 
-use super::equation::{BelievedRow, Row};
-use super::line3::LineInSpace;
-use super::observation::Sight;
+use super::equation::{Equation, PriorEquation};
+use super::line3::Line3;
+use super::observation::Observation;
 use super::sample::Sample;
-use super::shared_error::Cause;
+use super::shared_error::SharedError;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
 use crate::scalar::{Scalar, hypot};
@@ -16,9 +16,9 @@ use crate::setup::{Camera, MotionBlur};
 ///
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
-pub(crate) struct BlurWitness<S> {
+pub(crate) struct BlurMeasurement<S> {
     /// Where the middle of the line is seen at the beginning and at the end of the exposure.
-    ends: [Sight<S>; 2],
+    ends: [Observation<S>; 2],
     /// Variance of the edge.
     measured_px2: S,
     /// One sigma of it from noise and from the shape of the profile.
@@ -27,7 +27,7 @@ pub(crate) struct BlurWitness<S> {
     sigma_lens_px: S,
 }
 
-impl<S: Scalar> BlurWitness<S> {
+impl<S: Scalar> BlurMeasurement<S> {
     /// From the mean width of a line and its sigma; `middle` is somewhere in its middle.
     pub(crate) fn new<M: Motion<S>>(
         camera: &Camera<S>,
@@ -38,7 +38,7 @@ impl<S: Scalar> BlurWitness<S> {
     ) -> Option<Self> {
         let half = blur.exposure_s * S::ratio(1, 2);
         let at = |time_s: S| {
-            Sight::new(camera, motion, &Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px))
+            Observation::new(camera, motion, &Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px))
         };
         let measured = width_px * width_px;
         let of_noise = (width_px + width_px) * sigma_px;
@@ -58,9 +58,9 @@ impl<S: Scalar> BlurWitness<S> {
     }
 
     /// Path along the row during the exposure, in pixels with its sign.
-    pub(crate) fn path_px(&self, edge: &LineInSpace<S>) -> Option<S> {
+    pub(crate) fn path_px(&self, edge: &Line3<S>) -> Option<S> {
         let [begin, end] = &self.ends;
-        Some(edge.miss_px(begin)? - edge.miss_px(end)?)
+        Some(edge.residual_px(begin)? - edge.residual_px(end)?)
     }
 
     /// One sigma of the variance, the lens's own blur included.
@@ -78,14 +78,21 @@ impl<S: Scalar> BlurWitness<S> {
         self.lens_px + self.lens_px
     }
 
-    pub(crate) fn row(&self, edge: &LineInSpace<S>) -> Option<BelievedRow<S>> {
+    pub(crate) fn equation(&self, edge: &Line3<S>) -> Option<PriorEquation<S>> {
         let path = self.path_px(edge)?;
         // The path grows with the inverse depth but for what rotation contributes, which does not depend on it.
         let [begin, end] = &self.ends;
-        let q = path * S::ratio(1, 6) * (edge.miss_per_inverse_depth(begin)? - edge.miss_per_inverse_depth(end)?);
-        Some(BelievedRow {
-            row: Row { one: S::ZERO, q, w: S::ZERO, y: self.excess_px2(path), root_weight: self.joint_sigma_px2() },
-            errors: Cause::Lens.alone(-self.per_lens_px()),
+        let q =
+            path * S::ratio(1, 6) * (edge.residual_per_inverse_depth(begin)? - edge.residual_per_inverse_depth(end)?);
+        Some(PriorEquation {
+            equation: Equation {
+                one: S::ZERO,
+                q,
+                w: S::ZERO,
+                y: self.excess_px2(path),
+                root_weight: self.joint_sigma_px2(),
+            },
+            errors: SharedError::Lens.alone(-self.per_lens_px()),
         })
     }
 }
@@ -97,19 +104,19 @@ const SHAPE_PERCENT: i32 = 2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct LensWitness<S> {
+pub struct LensBlurMeasurement<S> {
     /// In square pixels; noise can make it negative.
     pub variance_px2: S,
     /// One standard deviation.
     pub sigma_px2: S,
 }
 
-impl<S: Scalar> LensWitness<S> {
-    pub(crate) fn new(witness: &BlurWitness<S>, path_px: S, sigma_of_path_px2: S) -> Self {
-        let lens = witness.lens_px;
+impl<S: Scalar> LensBlurMeasurement<S> {
+    pub(crate) fn new(blur: &BlurMeasurement<S>, path_px: S, sigma_of_path_px2: S) -> Self {
+        let lens = blur.lens_px;
         Self {
-            variance_px2: lens * lens + witness.excess_px2(path_px),
-            sigma_px2: hypot(witness.sigma_px2, sigma_of_path_px2),
+            variance_px2: lens * lens + blur.excess_px2(path_px),
+            sigma_px2: hypot(blur.sigma_px2, sigma_of_path_px2),
         }
     }
 }
@@ -120,7 +127,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
         let sum = self.settled();
-        (sum.widths > sum.edges / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
+        (sum.widths > sum.points / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
     }
 
     /// One standard deviation of the mean width: each width has one to two times the noise of its column, the more the less
@@ -128,7 +135,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
         let sum = self.settled();
         // The mean variance, over the number of widths.
-        let mean_q32 = (sum.variances_q32 / u64::from(sum.edges.max(1))).saturating_mul(4);
+        let mean_q32 = (sum.variances_q32 / u64::from(sum.points.max(1))).saturating_mul(4);
         let of_mean_q32 = (mean_q32 / u64::from(sum.widths.max(1))).min(i64::MAX as u64);
         S::from_ratio(of_mean_q32.isqrt() as i64, 1 << 16)
     }

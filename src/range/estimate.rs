@@ -1,8 +1,8 @@
 //! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance come with an interval.
 
 use super::budget::Budget;
-use super::goodness_of_fit::Straightness;
-use super::line_state::State;
+use super::goodness_of_fit::GoodnessOfFit;
+use super::line_state::LineState;
 use super::status::RangeStatus;
 use crate::scalar::{Scalar, cross, dot};
 use crate::setup::Setup;
@@ -56,10 +56,10 @@ pub struct Interval<S> {
 }
 
 impl<S: Scalar> Estimate<S> {
-    pub(crate) fn new(state: &State<S>, setup: &Setup<S>, straightness: &Straightness<S>) -> Self {
-        let State { edge, covariance, effects } = state;
+    pub(crate) fn new(state: &LineState<S>, setup: &Setup<S>, goodness_of_fit: &GoodnessOfFit<S>) -> Self {
+        let LineState { edge, covariance, sensitivity } = state;
         let across = cross([edge.bearing, S::ZERO, S::ONE], edge.gravity);
-        let total = effects.total(*covariance, setup, edge.bearing);
+        let total = sensitivity.total(*covariance, setup, edge.bearing);
         let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma;
         let [correlation, _, _] = total.correlation;
         // Nothing is known of an inverse depth that the motion does not show.
@@ -72,10 +72,10 @@ impl<S: Scalar> Estimate<S> {
             sigma_inverse_depth_per_m,
             sigma_tilt,
             correlation,
-            budget: effects.budget(covariance, setup, edge.bearing),
+            budget: sensitivity.budget(covariance, setup, edge.bearing),
             distance_per_depth: dot(across, across).sqrt(),
-            misfit: straightness.misfit,
-            bent: straightness.bent,
+            misfit: goodness_of_fit.misfit,
+            bent: goodness_of_fit.bent,
         }
     }
 

@@ -15,16 +15,16 @@
 
 use heapless::Vec;
 
-use super::equation::{Row, Rows};
+use super::equation::{Equation, Equations};
 use super::estimate::Estimate;
-use super::goodness_of_fit::Straightness;
+use super::goodness_of_fit::GoodnessOfFit;
 use super::least_squares::{Solution, solve};
-use super::line_state::State;
-use super::line3::LineInSpace;
-use super::observation::Sight;
-use super::prior::Belief;
+use super::line_state::LineState;
+use super::line3::Line3;
+use super::observation::Observation;
+use super::prior::Prior;
 use super::sample::{Sample, Spread};
-use super::sensitivity::Effects;
+use super::sensitivity::Sensitivity;
 use crate::error::FitError;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, cross, dot, hypot};
@@ -58,14 +58,14 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
-    let belief = Belief { state: None, blur: None };
-    fit_with::<S, M, N>(setup, motion, samples, &belief).map(|fitted| fitted.estimate)
+    let prior = Prior { state: None, blur: None };
+    fit_with::<S, M, N>(setup, motion, samples, &prior).map(|fitted| fitted.estimate)
 }
 
 /// An estimate, and what a next frame needs to go on from it.
 pub(crate) struct Fitted<S, const N: usize> {
     pub(crate) estimate: Estimate<S>,
-    pub(crate) state: State<S>,
+    pub(crate) state: LineState<S>,
     /// Which of the samples were of this edge.
     pub(crate) kept: Vec<bool, N>,
 }
@@ -75,61 +75,64 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
-    belief: &Belief<S>,
+    prior: &Prior<S>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem { setup, belief, sights: sight_all::<S, M, N>(setup.camera(), motion, samples)? };
+    let mut problem = Problem { setup, prior, observations: observe_all::<S, M, N>(setup.camera(), motion, samples)? };
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
-    let least = if free_tilt && belief.state.is_none() { 3 } else { 2 };
-    if problem.sights.len() < least {
-        return Err(FitError::TooFewSamples(problem.sights.len()));
+    let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
+    if problem.observations.len() < least {
+        return Err(FitError::TooFewSamples(problem.observations.len()));
     }
     // The linear problem is exact in the first round but for tilt, blur, weights and noise in q.
-    let start = match &belief.state {
+    let start = match &prior.state {
         Some(state) => state.edge,
-        None => problem.round(&LineInSpace::start(motion.gravity()), Round::First)?.edge,
+        None => problem.round(&Line3::start(motion.gravity()), Round::First)?.edge,
     };
     let mut solved = problem.settle_in_front(&start)?;
-    for _ in 0..MAX_CLEANINGS {
-        let Some(doubtful) = problem.doubt_strangers(&solved) else { break };
-        if !problem.drop_strangers(&doubtful) {
+    for _ in 0..MAX_REJECTIONS {
+        let Some(reweighted) = problem.reweight(&solved) else { break };
+        if !problem.reject_outliers(&reweighted) {
             break;
         }
         solved = problem.settle(&solved.edge)?;
     }
-    let straightness = problem.straightness(&solved);
-    if straightness.significant {
+    let goodness_of_fit = problem.goodness_of_fit(&solved);
+    if goodness_of_fit.significant {
         // The noise was understated where the residuals are larger than chance allows; what is believed was not.
-        problem.sights.iter_mut().for_each(|sight| sight.sigma_px = sight.sigma_px * straightness.misfit);
+        problem
+            .observations
+            .iter_mut()
+            .for_each(|observation| observation.sigma_px = observation.sigma_px * goodness_of_fit.misfit);
         solved = problem.settle(&solved.edge)?;
     }
-    let Solved { edge, solution, rows } = solved;
-    let effects = Effects::of(&problem.sights, &edge, &rows, &solution, setup);
-    let state = State { edge, covariance: solution.covariance(), effects };
-    let estimate = Estimate::new(&state, setup, &straightness);
+    let Solved { edge, solution, equations } = solved;
+    let sensitivity = Sensitivity::of(&problem.observations, &edge, &equations, &solution, setup);
+    let state = LineState { edge, covariance: solution.covariance(), sensitivity };
+    let estimate = Estimate::new(&state, setup, &goodness_of_fit);
     let mut kept = Vec::new();
-    for sight in &problem.sights {
+    for observation in &problem.observations {
         // As many as there are sights; `collect` could panic.
-        let _ = kept.push(sight.kept);
+        let _ = kept.push(observation.kept);
     }
     Ok(Fitted { estimate, state, kept })
 }
 
-fn sight_all<S: Scalar, M: Motion<S>, const N: usize>(
+fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
     camera: &Camera<S>,
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
-) -> Result<Vec<Sight<S>, N>, FitError> {
-    let mut sights = Vec::new();
+) -> Result<Vec<Observation<S>, N>, FitError> {
+    let mut observations = Vec::new();
     for (index, sample) in samples.into_iter().enumerate() {
         let Spread { column_px, row_px, time_s } = sample.spread;
         let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
         if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
             return Err(FitError::InvalidSample(index));
         }
-        let sight = Sight::new(camera, motion, &sample).ok_or(FitError::InvalidSample(index))?;
-        sights.push(sight).map_err(|_| FitError::TooManySamples)?;
+        let observation = Observation::new(camera, motion, &sample).ok_or(FitError::InvalidSample(index))?;
+        observations.push(observation).map_err(|_| FitError::TooManySamples)?;
     }
-    Ok(sights)
+    Ok(observations)
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -140,72 +143,78 @@ enum Round {
     Later,
 }
 
-fn observe<S: Scalar>(sight: &Sight<S>, edge: &LineInSpace<S>, round: Round) -> Option<Row<S>> {
+fn observe<S: Scalar>(observation: &Observation<S>, edge: &Line3<S>, round: Round) -> Option<Equation<S>> {
     let down = edge.direction();
-    let m = cross(sight.direction, down);
-    let dm = cross(sight.along_row, down);
+    let m = cross(observation.direction, down);
+    let dm = cross(observation.along_row, down);
     let [mx, _, _] = m;
     let [dmx, _, _] = dm;
     // A tenth of its size for a level camera: below, one pixel of column is worth ten.
     if !(mx.abs() > S::ratio(1, 10)) {
         return None;
     }
-    let miss = edge.offset(m, sight) - edge.inverse_depth * sight.covariance;
-    let per_px = edge.offset(dm, sight);
-    let mut q = -(dot(m, sight.position) + sight.covariance) / mx;
+    let miss = edge.offset(m, observation) - edge.inverse_depth * observation.covariance;
+    let per_px = edge.offset(dm, observation);
+    let mut q = -(dot(m, observation.position) + observation.covariance) / mx;
     if round == Round::Later && per_px != S::ZERO {
-        q = q + (dot(dm, sight.position) + q * dmx) / mx * (miss / per_px);
+        q = q + (dot(dm, observation.position) + q * dmx) / mx * (miss / per_px);
     }
-    let w = edge.offset(cross(sight.direction, edge.lean), sight) / mx;
-    Some(Row { one: S::ONE, q, w, y: -miss / mx, root_weight: (per_px / mx).abs() * sight.sigma_px * sight.doubt })
+    let w = edge.offset(cross(observation.direction, edge.lean), observation) / mx;
+    Some(Equation {
+        one: S::ONE,
+        q,
+        w,
+        y: -miss / mx,
+        root_weight: (per_px / mx).abs() * observation.sigma_px * observation.robust_scale,
+    })
 }
 
-const MAX_CLEANINGS: usize = 4;
-const DOUBTING_ROUNDS: usize = 16;
+const MAX_REJECTIONS: usize = 4;
+const REWEIGHTING_ROUNDS: usize = 16;
 /// Beyond so many times the usual deviation a sample may be of something else, or is.
-const DOUBTFUL: i32 = 3;
-const STRANGE: i32 = 4;
+const SUSPICIOUS: i32 = 3;
+const OUTLIER: i32 = 4;
 const MOST_ROUNDS: usize = 8;
 
 struct Problem<'a, S, const N: usize> {
     setup: &'a Setup<S>,
-    belief: &'a Belief<S>,
-    sights: Vec<Sight<S>, N>,
+    prior: &'a Prior<S>,
+    observations: Vec<Observation<S>, N>,
 }
 
 struct Solved<S, const N: usize> {
-    edge: LineInSpace<S>,
+    edge: Line3<S>,
     solution: Solution<S>,
-    rows: Rows<S, N>,
+    equations: Equations<S, N>,
 }
 
 impl<S: Scalar, const N: usize> Solved<S, N> {
     /// Sum of the squares of all deviations, beliefs included.
     fn cost(&self) -> S {
-        let squares = self.rows.iter().map(|row| self.solution.deviation(row)).map(|off| off * off);
+        let squares = self.equations.iter().map(|equation| self.solution.deviation(equation)).map(|off| off * off);
         squares.fold(S::ZERO, |sum, square| sum + square)
     }
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
-    fn round(&self, edge: &LineInSpace<S>, round: Round) -> Result<Solved<S, N>, FitError> {
-        let mut rows = Rows::new();
-        for (index, sight) in self.sights.iter().enumerate() {
-            let mut row = observe(sight, edge, round).ok_or(FitError::Sideways(index))?;
-            if !sight.kept {
-                row.root_weight = S::ZERO;
+    fn round(&self, edge: &Line3<S>, round: Round) -> Result<Solved<S, N>, FitError> {
+        let mut equations = Equations::new();
+        for (index, observation) in self.observations.iter().enumerate() {
+            let mut equation = observe(observation, edge, round).ok_or(FitError::Sideways(index))?;
+            if !observation.kept {
+                equation.root_weight = S::ZERO;
             }
             // As many rows as sights.
-            let _ = rows.observed.push(row);
+            let _ = equations.observed.push(equation);
         }
-        self.belief.observe(self.setup, edge, &mut rows);
-        let solution = solve(&mut rows);
-        Ok(Solved { edge: solution.apply(edge), solution, rows })
+        self.prior.observe(self.setup, edge, &mut equations);
+        let solution = solve(&mut equations);
+        Ok(Solved { edge: solution.apply(edge), solution, equations })
     }
 
     /// More rounds, until one changes next to nothing: mostly two. What does not settle is no straight edge: one round tells roughly
     /// where it is.
-    fn settle(&self, edge: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
+    fn settle(&self, edge: &Line3<S>) -> Result<Solved<S, N>, FitError> {
         let mut solved = self.round(edge, Round::Later)?;
         for _ in 1..MOST_ROUNDS {
             if solved.solution.step() < S::ratio(1, 50) {
@@ -218,13 +227,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
     /// camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
-    fn settle_in_front(&self, start: &LineInSpace<S>) -> Result<Solved<S, N>, FitError> {
+    fn settle_in_front(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
         let solved = self.settle(start)?;
         let edge = solved.edge;
         if edge.tilt == S::ZERO || !(edge.inverse_depth < S::ZERO) {
             return Ok(solved);
         }
-        let mirrored = LineInSpace { inverse_depth: -edge.inverse_depth, ..edge };
+        let mirrored = Line3 { inverse_depth: -edge.inverse_depth, ..edge };
         let other = self.settle(&mirrored)?;
         let is_as_good = other.cost() < solved.cost() + S::from_i32(9);
         Ok(if other.edge.inverse_depth > S::ZERO && is_as_good { other } else { solved })
@@ -232,68 +241,70 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
     /// `None` where none deviates enough, or where they lead nowhere.
-    fn doubt_strangers(&mut self, solved: &Solved<S, N>) -> Option<Solved<S, N>> {
+    fn reweight(&mut self, solved: &Solved<S, N>) -> Option<Solved<S, N>> {
         let sizes = self.deviations(solved);
-        let limit = usual_of(&sizes) * S::from_i32(DOUBTFUL);
+        let limit = robust_scale_of(&sizes) * S::from_i32(SUSPICIOUS);
         if !sizes.iter().any(|size| *size > limit) {
             return None;
         }
-        let mut doubtful = None;
-        for _ in 0..DOUBTING_ROUNDS {
-            let last = doubtful.as_ref().unwrap_or(solved);
-            for (sight, row) in self.sights.iter_mut().zip(&last.rows.observed) {
-                let deviation = last.solution.deviation(row).abs() * sight.doubt;
-                sight.doubt = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
+        let mut reweighted = None;
+        for _ in 0..REWEIGHTING_ROUNDS {
+            let last = reweighted.as_ref().unwrap_or(solved);
+            for (observation, equation) in self.observations.iter_mut().zip(&last.equations.observed) {
+                let deviation = last.solution.deviation(equation).abs() * observation.robust_scale;
+                observation.robust_scale = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
             }
             let Ok(next) = self.round(&last.edge, Round::Later) else {
-                self.sights.iter_mut().for_each(|sight| sight.doubt = S::ONE);
+                self.observations.iter_mut().for_each(|observation| observation.robust_scale = S::ONE);
                 return None;
             };
-            doubtful = Some(next);
+            reweighted = Some(next);
         }
-        doubtful
+        reweighted
     }
 
     /// How far off the samples are that are still in, in units of their own noise.
     fn deviations(&self, solved: &Solved<S, N>) -> Vec<S, N> {
         let mut sizes = Vec::new();
-        for (row, sight) in solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept) {
+        for (equation, observation) in
+            solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.kept)
+        {
             // As many as sights.
-            let _ = sizes.push(solved.solution.deviation(row).abs() * sight.doubt);
+            let _ = sizes.push(solved.solution.deviation(equation).abs() * observation.robust_scale);
         }
         sizes
     }
 
     /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between. A third of
     /// them at most: if more do not fit, then this is no straight edge. Doubt ends here.
-    fn drop_strangers(&mut self, doubtful: &Solved<S, N>) -> bool {
-        let sizes = self.deviations(doubtful);
+    fn reject_outliers(&mut self, reweighted: &Solved<S, N>) -> bool {
+        let sizes = self.deviations(reweighted);
         let count = sizes.len();
         // Of few samples it is not well known what is usual.
-        let limit = usual_of(&sizes) * (S::from_i32(STRANGE) + S::ratio(16, count.max(1) as i32));
-        let strangers = sizes.iter().filter(|size| **size > limit).count();
-        let leave_out = strangers > 0 && 3 * (self.sights.len() - count + strangers) <= self.sights.len();
-        for (sight, row) in self.sights.iter_mut().zip(&doubtful.rows.observed) {
-            let strange = doubtful.solution.deviation(row).abs() * sight.doubt > limit;
-            sight.kept &= !(leave_out && strange);
-            sight.doubt = S::ONE;
+        let limit = robust_scale_of(&sizes) * (S::from_i32(OUTLIER) + S::ratio(16, count.max(1) as i32));
+        let outliers = sizes.iter().filter(|size| **size > limit).count();
+        let leave_out = outliers > 0 && 3 * (self.observations.len() - count + outliers) <= self.observations.len();
+        for (observation, equation) in self.observations.iter_mut().zip(&reweighted.equations.observed) {
+            let is_outlier = reweighted.solution.deviation(equation).abs() * observation.robust_scale > limit;
+            observation.kept &= !(leave_out && is_outlier);
+            observation.robust_scale = S::ONE;
         }
         leave_out
     }
 
-    fn straightness(&self, solved: &Solved<S, N>) -> Straightness<S> {
+    fn goodness_of_fit(&self, solved: &Solved<S, N>) -> GoodnessOfFit<S> {
         // Knots are means over curved arcs: what they may cost is no sign of a bend.
         let floor = S::ratio(1, 256);
-        let kept = solved.rows.observed.iter().zip(&self.sights).filter(|(_, sight)| sight.kept);
-        Straightness::of(
-            kept.map(|(row, sight)| solved.solution.deviation(row) * (sight.sigma_px / hypot(sight.sigma_px, floor))),
-        )
+        let kept = solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.kept);
+        GoodnessOfFit::of(kept.map(|(equation, observation)| {
+            solved.solution.deviation(equation) * (observation.sigma_px / hypot(observation.sigma_px, floor))
+        }))
     }
 }
 
 /// How large deviations usually are: what two thirds of them stay below, as of normal values with one sigma, without a sort.
 /// Half a sigma at least: of values that hardly deviate none is a stranger.
-fn usual_of<S: Scalar>(sizes: &[S]) -> S {
+fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
     let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
     let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);
     usual.unwrap_or(S::ONE).max(S::ratio(1, 2))

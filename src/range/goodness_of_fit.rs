@@ -2,7 +2,7 @@
 
 use crate::scalar::Scalar;
 
-pub(crate) struct Straightness<S> {
+pub(crate) struct GoodnessOfFit<S> {
     /// Root mean square of the residuals in units of the stated noise.
     pub(crate) misfit: S,
     /// Larger than chance allows.
@@ -10,7 +10,7 @@ pub(crate) struct Straightness<S> {
     pub(crate) bent: bool,
 }
 
-impl<S: Scalar> Straightness<S> {
+impl<S: Scalar> GoodnessOfFit<S> {
     /// Of no residuals.
     pub(crate) const NONE: Self = Self { misfit: S::ZERO, significant: false, bent: false };
 

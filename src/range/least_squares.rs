@@ -1,8 +1,8 @@
 //! One round of weighted least squares, by orthogonalisation, over what the samples show and what is believed beforehand.
 
 use super::covariance::Covariance;
-use super::equation::{Row, Rows};
-use super::line3::LineInSpace;
+use super::equation::{Equation, Equations};
+use super::line3::Line3;
 use crate::scalar::{Scalar, hypot};
 
 /// What a round finds, in units that keep every number near one: y in sigmas of the best row, q in its own spread.
@@ -31,42 +31,43 @@ fn over<S: Scalar>(value: S) -> S {
 }
 
 /// Weighted least squares by orthogonalisation: first the constant, then q, then what w has beyond q.
-pub(crate) fn solve<S: Scalar, const N: usize>(rows: &mut Rows<S, N>) -> Solution<S> {
-    let unit = rows.normalise_weights();
-    let weight = rows.sum(|row| row.one * row.one);
+pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> Solution<S> {
+    let unit = equations.normalise_weights();
+    let weight = equations.sum(|equation| equation.one * equation.one);
     let per_weight = over(weight);
-    let mean_q = rows.sum(|row| row.one * row.q) * per_weight;
-    let mean_w = rows.sum(|row| row.one * row.w) * per_weight;
-    let mean_y = rows.sum(|row| row.one * row.y) * per_weight;
-    let size = |row: &Row<S>| ((row.q - row.one * mean_q) * row.root_weight).abs();
-    let spread = rows.iter().map(size).fold(S::ZERO, S::max);
+    let mean_q = equations.sum(|equation| equation.one * equation.q) * per_weight;
+    let mean_w = equations.sum(|equation| equation.one * equation.w) * per_weight;
+    let mean_y = equations.sum(|equation| equation.one * equation.y) * per_weight;
+    let size = |equation: &Equation<S>| ((equation.q - equation.one * mean_q) * equation.root_weight).abs();
+    let spread = equations.iter().map(size).fold(S::ZERO, S::max);
     let per_spread = over(spread);
-    for row in rows.iter_mut() {
-        row.q = (row.q - row.one * mean_q) * per_spread;
-        row.w = row.w - row.one * mean_w;
-        row.y = row.y - row.one * mean_y;
+    for equation in equations.iter_mut() {
+        equation.q = (equation.q - equation.one * mean_q) * per_spread;
+        equation.w = equation.w - equation.one * mean_w;
+        equation.y = equation.y - equation.one * mean_y;
     }
-    let qq = rows.sum(|row| row.q * row.q);
-    let c = rows.sum(|row| row.q * row.w) * over(qq);
-    let rho = rows.sum(|row| row.q * row.y) * over(qq);
+    let qq = equations.sum(|equation| equation.q * equation.q);
+    let c = equations.sum(|equation| equation.q * equation.w) * over(qq);
+    let rho = equations.sum(|equation| equation.q * equation.y) * over(qq);
     let (ww, beta) = (S::ZERO, S::ZERO);
     let mut solution = Solution { unit, spread, mean_q, mean_w, weight, qq, c, ww, mean_y, rho, beta };
-    if rows.has_tilt() {
-        solution.ww = rows.sum(|row| solution.across(row) * solution.across(row));
-        solution.beta = rows.sum(|row| solution.across(row) * (row.y - rho * row.q)) * over(solution.ww);
+    if equations.has_tilt() {
+        solution.ww = equations.sum(|equation| solution.across(equation) * solution.across(equation));
+        solution.beta =
+            equations.sum(|equation| solution.across(equation) * (equation.y - rho * equation.q)) * over(solution.ww);
     }
     solution
 }
 
 impl<S: Scalar> Solution<S> {
     /// What w has beyond q: the part of tilt that does not look like depth.
-    fn across(&self, row: &Row<S>) -> S {
-        row.w - self.c * row.q
+    fn across(&self, equation: &Equation<S>) -> S {
+        equation.w - self.c * equation.q
     }
 
-    pub(crate) fn apply(&self, edge: &LineInSpace<S>) -> LineInSpace<S> {
+    pub(crate) fn apply(&self, edge: &Line3<S>) -> Line3<S> {
         let [bearing, inverse_depth, tilt] = self.unknowns(self.mean_y, self.rho, self.beta);
-        LineInSpace {
+        Line3 {
             bearing: edge.bearing + bearing,
             inverse_depth: edge.inverse_depth + inverse_depth,
             tilt: edge.tilt + tilt,
@@ -87,18 +88,22 @@ impl<S: Scalar> Solution<S> {
     }
 
     /// Residual of a row in units of its own noise.
-    pub(crate) fn deviation(&self, row: &Row<S>) -> S {
-        (row.y - self.rho * row.q - self.beta * self.across(row)) / self.unit * row.root_weight
+    pub(crate) fn deviation(&self, equation: &Equation<S>) -> S {
+        (equation.y - self.rho * equation.q - self.beta * self.across(equation)) / self.unit * equation.root_weight
     }
 
     /// How small errors of y, one for each row, move the unknowns.
-    pub(crate) fn response<const N: usize>(&self, rows: &Rows<S, N>, errors: impl Iterator<Item = S>) -> [S; 3] {
+    pub(crate) fn response<const N: usize>(
+        &self,
+        equations: &Equations<S, N>,
+        errors: impl Iterator<Item = S>,
+    ) -> [S; 3] {
         let (mut mean, mut along, mut across) = (S::ZERO, S::ZERO, S::ZERO);
-        for (row, error) in rows.iter().zip(errors) {
-            let error = row.weight() * error;
-            mean = mean + error * row.one;
-            along = along + error * row.q;
-            across = across + error * self.across(row);
+        for (equation, error) in equations.iter().zip(errors) {
+            let error = equation.weight() * error;
+            mean = mean + error * equation.one;
+            along = along + error * equation.q;
+            across = across + error * self.across(equation);
         }
         self.unknowns(mean * over(self.weight), along * over(self.qq), across * over(self.ww))
     }

@@ -1,6 +1,6 @@
 //! [`LensBlur`]: the lens's own blur, learned from the edges that pass.
 
-use super::blur::LensWitness;
+use super::blur::LensBlurMeasurement;
 use super::range::Range;
 use super::status::RangeStatus;
 use crate::scalar::{Scalar, hypot};
@@ -13,7 +13,7 @@ use crate::setup::MotionBlur;
 ///
 /// ```
 /// use shutter_range::{LensBlur, MotionBlur};
-/// let mut lens = LensBlur::new(MotionBlur::of_exposure(0.008_f32));
+/// let mut lens = LensBlur::new(MotionBlur::from_exposure(0.008_f32));
 /// // For each range: lens.learn(&range);
 /// // For the next frame: setup.with_motion_blur(lens.motion_blur())?;
 /// assert_eq!(lens.motion_blur().lens_blur_px, 0.75);
@@ -27,7 +27,7 @@ pub struct LensBlur<S> {
 }
 
 impl<S: Scalar> LensBlur<S> {
-    /// Begins with what is known, [`MotionBlur::of_exposure`] if nothing is.
+    /// Begins with what is known, [`MotionBlur::from_exposure`] if nothing is.
     #[must_use]
     pub fn new(known: MotionBlur<S>) -> Self {
         let lens = known.lens_blur_px.max(S::ratio(1, 10));
@@ -40,7 +40,7 @@ impl<S: Scalar> LensBlur<S> {
     /// Sigma does not fall below a twentieth: a lens is not equally sharp everywhere.
     pub fn learn(&mut self, range: &Range<S>) {
         let upright = matches!(range.status, RangeStatus::Ok | RangeStatus::Far);
-        let Some(LensWitness { variance_px2, sigma_px2 }) = range.lens.filter(|_| upright) else { return };
+        let Some(LensBlurMeasurement { variance_px2, sigma_px2 }) = range.lens.filter(|_| upright) else { return };
         let off = variance_px2 - self.variance_px2;
         let joint = hypot(self.sigma_px2, sigma_px2);
         if !(joint > S::ZERO && off.abs() <= joint * S::from_i32(4)) {

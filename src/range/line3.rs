@@ -1,12 +1,12 @@
-//! [`LineInSpace`]: the straight line that is sought, in the axes of the frame-start camera.
+//! [`Line3`]: the straight line that is sought, in the axes of the frame-start camera.
 
-use super::observation::Sight;
+use super::observation::Observation;
 use crate::scalar::{Scalar, add, cross, dot, scale};
 
 /// The unknowns `(a, ρ, β)` and the directions that they refer to.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct LineInSpace<S> {
+pub(crate) struct Line3<S> {
     pub(crate) bearing: S,
     pub(crate) inverse_depth: S,
     pub(crate) tilt: S,
@@ -15,7 +15,7 @@ pub(crate) struct LineInSpace<S> {
     pub(crate) lean: [S; 3],
 }
 
-impl<S: Scalar> LineInSpace<S> {
+impl<S: Scalar> Line3<S> {
     pub(crate) fn start(gravity: [S; 3]) -> Self {
         let [gx, gy, _] = gravity;
         let length = (gx * gx + gy * gy).sqrt();
@@ -29,23 +29,23 @@ impl<S: Scalar> LineInSpace<S> {
     }
 
     /// `m · P` with `P = (a, 0, 1) − ρ p`, added up so that what nearly cancels does so first: single precision then loses one rounding, not four.
-    pub(crate) fn offset(&self, m: [S; 3], sight: &Sight<S>) -> S {
+    pub(crate) fn offset(&self, m: [S; 3], observation: &Observation<S>) -> S {
         let [mx, _, mz] = m;
-        (mx * self.bearing + mz) - self.inverse_depth * dot(m, sight.position)
+        (mx * self.bearing + mz) - self.inverse_depth * dot(m, observation.position)
     }
 
     /// How far along the row, in pixels, a sight lies from the edge; `None` where rows run along the edge.
-    pub(crate) fn miss_px(&self, sight: &Sight<S>) -> Option<S> {
-        let miss = self.offset(cross(sight.direction, self.direction()), sight);
-        let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
+    pub(crate) fn residual_px(&self, observation: &Observation<S>) -> Option<S> {
+        let miss = self.offset(cross(observation.direction, self.direction()), observation);
+        let per_px = self.offset(cross(observation.along_row, self.direction()), observation);
         let pixels = miss / per_px;
         (per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
     }
 
-    /// Change of [`miss_px`](Self::miss_px) with the inverse depth.
-    pub(crate) fn miss_per_inverse_depth(&self, sight: &Sight<S>) -> Option<S> {
-        let per_px = self.offset(cross(sight.along_row, self.direction()), sight);
-        let change = -dot(cross(sight.direction, self.direction()), sight.position) / per_px;
+    /// Change of [`residual_px`](Self::residual_px) with the inverse depth.
+    pub(crate) fn residual_per_inverse_depth(&self, observation: &Observation<S>) -> Option<S> {
+        let per_px = self.offset(cross(observation.along_row, self.direction()), observation);
+        let change = -dot(cross(observation.direction, self.direction()), observation.position) / per_px;
         (per_px != S::ZERO && change.is_finite()).then_some(change)
     }
 }

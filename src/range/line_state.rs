@@ -1,23 +1,23 @@
-//! [`State`]: what is known of an edge, and how it changes on the way to the next frame.
+//! [`LineState`]: what is known of an edge, and how it changes on the way to the next frame.
 
 use super::covariance::Covariance;
-use super::equation::{BelievedRow, Row};
-use super::line3::LineInSpace;
-use super::sensitivity::Effects;
+use super::equation::{Equation, PriorEquation};
+use super::line3::Line3;
+use super::sensitivity::Sensitivity;
 use crate::scalar::{Scalar, dot, hypot};
 
 /// Bearing, inverse depth and tilt with all that is known of their errors.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct State<S> {
-    pub(crate) edge: LineInSpace<S>,
+pub(crate) struct LineState<S> {
+    pub(crate) edge: Line3<S>,
     /// Of noise and beliefs, without what moves all samples together.
     pub(crate) covariance: Covariance<S>,
-    pub(crate) effects: Effects<S>,
+    pub(crate) sensitivity: Sensitivity<S>,
 }
 
-impl<S: Scalar> State<S> {
-    pub(crate) fn rows(&self, edge: &LineInSpace<S>) -> [BelievedRow<S>; 3] {
+impl<S: Scalar> LineState<S> {
+    pub(crate) fn equations(&self, edge: &Line3<S>) -> [PriorEquation<S>; 3] {
         let off = [
             self.edge.bearing - edge.bearing,
             self.edge.inverse_depth - edge.inverse_depth,
@@ -25,8 +25,8 @@ impl<S: Scalar> State<S> {
         ];
         self.covariance.statements().map(|(coefficients, root_weight)| {
             let [one, q, w] = coefficients;
-            let row = Row { one, q, w, y: dot(coefficients, off), root_weight };
-            BelievedRow { row, errors: self.effects.0.map(|effect| dot(coefficients, effect)) }
+            let equation = Equation { one, q, w, y: dot(coefficients, off), root_weight };
+            PriorEquation { equation, errors: self.sensitivity.0.map(|effect| dot(coefficients, effect)) }
         })
     }
 

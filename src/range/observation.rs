@@ -7,7 +7,7 @@ use crate::setup::Camera;
 
 /// What one sample says, whatever the edge: a ray, where it starts, and how it moves along the row.
 #[derive(Clone, Copy)]
-pub(crate) struct Sight<S> {
+pub(crate) struct Observation<S> {
     /// `R r`
     pub(crate) direction: [S; 3],
     /// `R (u, w, 0)`: what a relative change of focal length adds to the direction.
@@ -26,10 +26,10 @@ pub(crate) struct Sight<S> {
     /// False once it has turned out to be of something else.
     pub(crate) kept: bool,
     /// How many times larger than stated its noise is taken to be while strangers are sought.
-    pub(crate) doubt: S,
+    pub(crate) robust_scale: S,
 }
 
-impl<S: Scalar> Sight<S> {
+impl<S: Scalar> Observation<S> {
     pub(crate) fn new<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>) -> Option<Self> {
         let middle = Self::at(camera, motion, sample, S::ZERO)?;
         if sample.spread.row_px == S::ZERO {
@@ -68,7 +68,7 @@ impl<S: Scalar> Sight<S> {
             // Rounding of the column itself is noise, too, where the stated one is smaller.
             sigma_px: sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON)),
             kept: true,
-            doubt: S::ONE,
+            robust_scale: S::ONE,
         })
     }
 }

@@ -1,47 +1,47 @@
-//! [`Belief`]: what is known of an edge before its columns are looked at.
+//! [`Prior`]: what is known of an edge before its columns are looked at.
 
-use super::blur::BlurWitness;
-use super::equation::{BelievedRow, Row, Rows};
-use super::line_state::State;
-use super::line3::LineInSpace;
-use super::shared_error::Cause;
+use super::blur::BlurMeasurement;
+use super::equation::{Equation, Equations, PriorEquation};
+use super::line_state::LineState;
+use super::line3::Line3;
+use super::shared_error::SharedError;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
 /// Prior and blur: each becomes a row of the same least squares that the columns enter.
 #[derive(Clone, Copy)]
-pub(crate) struct Belief<S> {
+pub(crate) struct Prior<S> {
     /// What earlier frames told; otherwise an edge is upright but for the setup's sigma of tilt.
-    pub(crate) state: Option<State<S>>,
-    pub(crate) blur: Option<BlurWitness<S>>,
+    pub(crate) state: Option<LineState<S>>,
+    pub(crate) blur: Option<BlurMeasurement<S>>,
 }
 
-impl<S: Scalar> Belief<S> {
+impl<S: Scalar> Prior<S> {
     /// Adds what is believed to a round about `edge`.
-    pub(crate) fn observe<const N: usize>(&self, setup: &Setup<S>, edge: &LineInSpace<S>, rows: &mut Rows<S, N>) {
+    pub(crate) fn observe<const N: usize>(&self, setup: &Setup<S>, edge: &Line3<S>, equations: &mut Equations<S, N>) {
         match &self.state {
-            Some(state) => state.rows(edge).into_iter().for_each(|row| add(rows, row)),
-            None => add(rows, upright(setup, edge)),
+            Some(state) => state.equations(edge).into_iter().for_each(|equation| add(equations, equation)),
+            None => add(equations, upright(setup, edge)),
         }
-        if let Some(row) = self.blur.as_ref().and_then(|blur| blur.row(edge)) {
-            add(rows, row);
+        if let Some(equation) = self.blur.as_ref().and_then(|blur| blur.equation(edge)) {
+            add(equations, equation);
         }
     }
 }
 
 /// A statement without a sigma says nothing.
-fn add<S: Scalar, const N: usize>(rows: &mut Rows<S, N>, row: BelievedRow<S>) {
-    if row.row.root_weight > S::ZERO {
+fn add<S: Scalar, const N: usize>(equations: &mut Equations<S, N>, equation: PriorEquation<S>) {
+    if equation.equation.root_weight > S::ZERO {
         // Three of a state and one of blur at most.
-        let _ = rows.believed.push(row);
+        let _ = equations.prior.push(equation);
     }
 }
 
 /// Upright, but for lean and the direction of gravity.
-fn upright<S: Scalar>(setup: &Setup<S>, edge: &LineInSpace<S>) -> BelievedRow<S> {
+fn upright<S: Scalar>(setup: &Setup<S>, edge: &Line3<S>) -> PriorEquation<S> {
     let root_weight = setup.uncertainty().sigma_tilt_at(edge.bearing);
-    BelievedRow {
-        row: Row { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -edge.tilt, root_weight },
-        errors: Cause::Tilt.alone(S::ONE),
+    PriorEquation {
+        equation: Equation { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -edge.tilt, root_weight },
+        errors: SharedError::Tilt.alone(S::ONE),
     }
 }

@@ -58,7 +58,7 @@ impl<S: Scalar> Sample<S> {
 impl<const KNOTS: usize> Line<KNOTS> {
     /// The mean of each knot that has edges, in the order of readout.
     pub fn samples<S: Scalar>(&self) -> impl Iterator<Item = Sample<S>> {
-        let filled = || self.knots.iter().filter(|knot| knot.edges > 0);
+        let filled = || self.knots.iter().filter(|knot| knot.points > 0);
         // Windows of three; at the ends the knot itself stands in for the neighbour it lacks.
         let before = filled().take(1).chain(filled());
         let after = filled().skip(1).chain(filled().next_back());
@@ -69,22 +69,22 @@ impl<const KNOTS: usize> Line<KNOTS> {
 
     fn mean<S: Scalar>(&self, knot: &Knot) -> Sample<S> {
         let first = &self.first;
-        let edges = i64::from(knot.edges);
+        let points = i64::from(knot.points);
         let rows = if self.last.row < first.row { -i64::from(knot.rows) } else { i64::from(knot.rows) };
         Sample::point(
-            S::from_ratio(i64::from(first.column_q16) * edges + knot.columns_q16, edges << 16),
-            S::from_ratio(i64::from(first.row) * edges + rows, edges),
-            first.time_s::<S>() + S::from_ratio(knot.times_ns, edges * NS_PER_S),
-            S::from_ratio(knot.variances_q32.isqrt() as i64, edges << 16),
+            S::from_ratio(i64::from(first.column_q16) * points + knot.columns_q16, points << 16),
+            S::from_ratio(i64::from(first.row) * points + rows, points),
+            first.time_s::<S>() + S::from_ratio(knot.times_ns, points * NS_PER_S),
+            S::from_ratio(knot.variances_q32.isqrt() as i64, points << 16),
         )
     }
 
     /// Variance of the rows in a knot, in square pixels: that of evenly spaced rows as the line has them on the whole,
     /// within the knot's span.
     fn row_variance<S: Scalar>(&self, knot: &Knot) -> S {
-        let between = i64::from(self.edges.saturating_sub(1)).max(1);
+        let between = i64::from(self.points.saturating_sub(1)).max(1);
         let spacing = S::from_ratio(i64::from(self.last.row.abs_diff(self.first.row)), between);
-        let extent = spacing * S::from_i32(i32::from(knot.edges));
+        let extent = spacing * S::from_i32(i32::from(knot.points));
         let span = S::from_i32(1 << self.span_log2);
         let smallest = if extent < span { extent } else { span };
         // n points d apart have the variance (n² − 1) d²/12.

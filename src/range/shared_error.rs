@@ -1,13 +1,13 @@
-//! [`Cause`]: what may be wrong in the same way for all samples of an edge.
+//! [`SharedError`]: what may be wrong in the same way for all samples of an edge.
 
-use super::line3::LineInSpace;
-use super::observation::Sight;
+use super::line3::Line3;
+use super::observation::Observation;
 use crate::scalar::{Scalar, cross, dot, on_axis};
 use crate::setup::Setup;
 
 /// Something that is assumed, and may be wrong in the same way for all samples of an edge.
 #[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Cause {
+pub(crate) enum SharedError {
     /// The edge's tilt as the prior has it: its own lean and the direction of gravity.
     Tilt,
     /// The lens's own blur, in pixels.
@@ -22,10 +22,10 @@ pub(crate) enum Cause {
     Focal,
 }
 
-pub(crate) const CAUSES: usize = 8;
+pub(crate) const SHARED_ERRORS: usize = 8;
 
-impl Cause {
-    pub(crate) const ALL: [Self; CAUSES] =
+impl SharedError {
+    pub(crate) const ALL: [Self; SHARED_ERRORS] =
         [Self::Tilt, Self::Lens, Self::Speed, Self::Rate(0), Self::Rate(1), Self::Rate(2), Self::Readout, Self::Focal];
 
     /// One standard deviation, for an edge at a bearing.
@@ -42,29 +42,29 @@ impl Cause {
     }
 
     /// An error of this cause and of no other.
-    pub(crate) fn alone<S: Scalar>(self, error: S) -> [S; CAUSES] {
+    pub(crate) fn alone<S: Scalar>(self, error: S) -> [S; SHARED_ERRORS] {
         Self::ALL.map(|cause| if cause == self { error } else { S::ZERO })
     }
 
     /// Whether the noise of the believed rows has it already.
-    pub(super) fn is_believed(self) -> bool {
+    pub(super) fn is_in_prior(self) -> bool {
         matches!(self, Self::Tilt | Self::Lens)
     }
 
     /// What a unit error adds to y = −F/m_x of a sight.
-    pub(super) fn error<S: Scalar>(self, sight: &Sight<S>, edge: &LineInSpace<S>) -> S {
+    pub(super) fn error<S: Scalar>(self, observation: &Observation<S>, edge: &Line3<S>) -> S {
         let still = [S::ZERO; 3];
         let (direction, position) = match self {
             Self::Tilt | Self::Lens => return S::ZERO,
-            Self::Speed => (still, sight.position),
-            Self::Rate(axis) => (cross(on_axis(axis, sight.time_s), sight.direction), still),
-            Self::Readout => (cross(sight.turned, sight.direction), sight.advanced),
-            Self::Focal => (sight.off_axis, still),
+            Self::Speed => (still, observation.position),
+            Self::Rate(axis) => (cross(on_axis(axis, observation.time_s), observation.direction), still),
+            Self::Readout => (cross(observation.turned, observation.direction), observation.advanced),
+            Self::Focal => (observation.off_axis, still),
         };
         let down = edge.direction();
-        let m = cross(sight.direction, down);
+        let m = cross(observation.direction, down);
         let [mx, _, _] = m;
-        let turned = edge.offset(cross(direction, down), sight);
+        let turned = edge.offset(cross(direction, down), observation);
         (edge.inverse_depth * dot(m, position) - turned) / mx
     }
 }

@@ -1,10 +1,10 @@
 //! [`Landmark`]: an edge that earlier frames have shown, and where the next one should have it.
 
-use super::propagation::Passage;
+use super::propagation::FrameTransition;
 use crate::edge::Polarity;
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::range::{Covariance, Range, RangeStatus, Sample, Sight, State};
+use crate::range::{Covariance, LineState, Observation, Range, RangeStatus, Sample};
 use crate::scalar::{Scalar, cross, dot, hypot};
 use crate::setup::Setup;
 
@@ -18,10 +18,10 @@ pub(crate) struct Landmark<S> {
     /// Frames in a row that have not shown it.
     pub(crate) missed: u16,
     /// Frames that must still agree before it passes for static again: it has been where a static edge could not be.
-    pub(crate) on_probation: u16,
+    pub(crate) hold_off: u16,
     /// The line of this frame that lies best so far.
     pub(crate) claim: Option<Claim<S>>,
-    pub(crate) state: State<S>,
+    pub(crate) state: LineState<S>,
 }
 
 /// A line, by its place in the table that it comes from, and how far it lies from the prediction, in pixels.
@@ -35,10 +35,10 @@ pub(crate) struct Claim<S> {
 }
 
 /// What a line of this frame shows at its ends and in its middle.
-pub(crate) struct Sighting<S> {
+pub(crate) struct LineObservation<S> {
     pub(crate) polarity: Polarity,
-    ends: [Sight<S>; 2],
-    middle: Sight<S>,
+    ends: [Observation<S>; 2],
+    middle: Observation<S>,
 }
 
 /// Beyond four sigma of the prediction: rows have noise, and edges of one object bend a little.
@@ -48,44 +48,49 @@ const COLUMN_DECIPIXELS: i32 = 1;
 /// Sigmas beyond which a line is not where a static edge would be.
 const MOST_SIGMAS: i32 = 5;
 /// Frames in a row that must agree with a static edge before one that has moved passes for static again.
-const PROBATION: u16 = 30;
+const HOLD_OFF_FRAMES: u16 = 30;
 /// Within this distance two edges draw each other aside.
 const BESIDE_PX: i32 = 8;
 
-impl<S: Scalar> Sighting<S> {
+impl<S: Scalar> LineObservation<S> {
     /// `None` for a line that the lens or the number of edges makes useless.
     pub(crate) fn new<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
     ) -> Option<Self> {
-        let sight = |sample: Sample<S>| Sight::new(setup.camera(), motion, &sample);
+        let observation = |sample: Sample<S>| Observation::new(setup.camera(), motion, &sample);
         let samples = || line.samples::<S>();
         Some(Self {
             polarity: line.first().polarity,
-            ends: [sight(samples().next()?)?, sight(samples().last()?)?],
-            middle: sight(samples().nth(samples().count() / 2)?)?,
+            ends: [observation(samples().next()?)?, observation(samples().last()?)?],
+            middle: observation(samples().nth(samples().count() / 2)?)?,
         })
     }
 }
 
 impl<S: Scalar> Landmark<S> {
     /// A line's claim to be this edge; `None` where it cannot be.
-    pub(crate) fn claim_of(&self, setup: &Setup<S>, place: usize, sighting: &Sighting<S>) -> Option<Claim<S>> {
-        if self.polarity != sighting.polarity {
+    pub(crate) fn claim_of(
+        &self,
+        setup: &Setup<S>,
+        place: usize,
+        observation: &LineObservation<S>,
+    ) -> Option<Claim<S>> {
+        if self.polarity != observation.polarity {
             return None;
         }
         let state = &self.state;
-        let total = state.effects.total(state.covariance, setup, state.edge.bearing);
-        let distance_of = |sight: &Sight<S>| {
-            let (miss, sigma) = self.miss(&total, sight)?;
+        let total = state.sensitivity.total(state.covariance, setup, state.edge.bearing);
+        let distance_of = |observation: &Observation<S>| {
+            let (miss, sigma) = self.miss(&total, observation)?;
             let gate = S::from_i32(GATE_PX) + sigma * S::from_i32(4);
             // Of two that fit, the one that was surer of it.
             (miss.abs() <= gate).then(|| hypot(sigma, miss))
         };
-        let [first, last] = &sighting.ends;
+        let [first, last] = &observation.ends;
         let distance = hypot(distance_of(first)?, distance_of(last)?);
-        let (miss, sigma) = self.miss(&total, &sighting.middle)?;
+        let (miss, sigma) = self.miss(&total, &observation.middle)?;
         let most = hypot(sigma, S::ratio(COLUMN_DECIPIXELS, 10)) * S::from_i32(MOST_SIGMAS);
         Some(Claim { place, distance, has_moved: miss.abs() > most })
     }
@@ -105,15 +110,15 @@ impl<S: Scalar> Landmark<S> {
             if has_moved { alone() } else { Range::continued(setup, motion, line, Some(self.state)) };
         if range.status == RangeStatus::Bent && !has_moved {
             let (of_alone, state_alone) = alone();
-            if is_of_use(of_alone.status) {
+            if is_informative(of_alone.status) {
                 (has_moved, range, state) = (true, of_alone, state_alone);
             }
         }
-        match state.filter(|_| is_of_use(range.status)) {
+        match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
                 self.state = state;
                 self.frames = if has_moved { 1 } else { self.frames.saturating_add(1) };
-                self.on_probation = if has_moved { PROBATION } else { self.on_probation.saturating_sub(1) };
+                self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
             }
             // Hidden, as far as the estimate is concerned.
             None => self.claim = None,
@@ -123,40 +128,40 @@ impl<S: Scalar> Landmark<S> {
 
     /// A range of this edge under its name; no distance while the edge passes for one that moves.
     pub(crate) fn name(&self, range: Range<S>) -> Range<S> {
-        let moves = self.on_probation > 0 && range.status == RangeStatus::Ok;
+        let moves = self.hold_off > 0 && range.status == RangeStatus::Ok;
         let status = if moves { RangeStatus::Inconsistent } else { range.status };
         Range { line_id: Some(self.id), frames: self.frames, status, ..range }
     }
 
     /// Whether a line lies so near to where this edge should be that the two draw each other aside.
-    pub(crate) fn is_beside(&self, sighting: &Sighting<S>) -> bool {
+    pub(crate) fn is_beside(&self, observation: &LineObservation<S>) -> bool {
         let near = S::from_i32(BESIDE_PX);
-        let mut sights = sighting.ends.iter().chain([&sighting.middle]);
-        sights.any(|sight| self.state.edge.miss_px(sight).is_some_and(|miss| miss.abs() < near))
+        let mut observations = observation.ends.iter().chain([&observation.middle]);
+        observations.any(|observation| self.state.edge.residual_px(observation).is_some_and(|miss| miss.abs() < near))
     }
 
     /// How far along the row a sight lies from the prediction, and one sigma of that, in pixels.
-    fn miss(&self, total: &Covariance<S>, sight: &Sight<S>) -> Option<(S, S)> {
+    fn miss(&self, total: &Covariance<S>, observation: &Observation<S>) -> Option<(S, S)> {
         let edge = &self.state.edge;
-        let miss = edge.miss_px(sight)?;
-        let m = cross(sight.direction, edge.direction());
-        let per_px = edge.offset(cross(sight.along_row, edge.direction()), sight);
+        let miss = edge.residual_px(observation)?;
+        let m = cross(observation.direction, edge.direction());
+        let per_px = edge.offset(cross(observation.along_row, edge.direction()), observation);
         let [mx, _, _] = m;
-        let across = edge.offset(cross(sight.direction, edge.lean), sight);
-        let sensitivity = [mx, -dot(m, sight.position), across].map(|part| part / per_px);
+        let across = edge.offset(cross(observation.direction, edge.lean), observation);
+        let sensitivity = [mx, -dot(m, observation.position), across].map(|part| part / per_px);
         let none = [S::ZERO; 3];
         let [sigma, _, _] = total.through([sensitivity, none, none]).sigma;
-        let sigma = hypot(sigma, sight.sigma_px);
+        let sigma = hypot(sigma, observation.sigma_px);
         (miss.is_finite() && sigma.is_finite()).then_some((miss, sigma))
     }
 
     /// The same in the next frame; `None` where it is out of sight for good.
-    pub(crate) fn carried(self, setup: &Setup<S>, passage: &Passage<S>) -> Option<Self> {
-        Some(Self { state: self.state.carried(setup, passage)?, claim: None, ..self })
+    pub(crate) fn propagated(self, setup: &Setup<S>, transition: &FrameTransition<S>) -> Option<Self> {
+        Some(Self { state: self.state.propagated(setup, transition)?, claim: None, ..self })
     }
 }
 
 /// Whether a line with this status tells where the edge is.
-pub(crate) fn is_of_use(status: RangeStatus) -> bool {
+pub(crate) fn is_informative(status: RangeStatus) -> bool {
     matches!(status, RangeStatus::Ok | RangeStatus::Far | RangeStatus::Slow)
 }

@@ -1,41 +1,41 @@
 //! From the start of one frame to the start of the next.
 
 use crate::motion::Pose;
-use crate::range::{Cause, LineInSpace, State};
+use crate::range::{Line3, LineState, SharedError};
 use crate::scalar::{Scalar, add, cross, dot, hypot, on_axis, scale, sub};
 use crate::setup::Setup;
 
-impl<S: Scalar> State<S> {
+impl<S: Scalar> LineState<S> {
     /// The same edge for a camera at another place: what is known of it there, less what drifts on the way.
     ///
     /// `None` where the edge is then beside or behind the camera.
-    pub(crate) fn carried(&self, setup: &Setup<S>, passage: &Passage<S>) -> Option<Self> {
-        let view = View::of(&self.edge, passage)?;
-        let jacobian = view.jacobian(&self.edge, passage);
+    pub(crate) fn propagated(&self, setup: &Setup<S>, transition: &FrameTransition<S>) -> Option<Self> {
+        let view = View::of(&self.edge, transition)?;
+        let jacobian = view.jacobian(&self.edge, transition);
         let uncertainty = setup.uncertainty();
         // What of the edge's lean towards or away from the camera a turn brings into the image plane, and what of that and of
         // the camera's pitch shows there as the bearing changes.
-        let turned = view.turned_lean(&self.edge, passage) * uncertainty.sigma_tilt;
+        let turned = view.turned_lean(&self.edge, transition) * uncertainty.sigma_tilt;
         let passed = (view.edge.bearing - self.edge.bearing) * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
         // Of an error that drifts, a part of what it has done so far is as good as random now.
-        let (kept, lost) = passage.drift();
-        let mut effects = self.effects;
-        for (cause, effect) in Cause::ALL.into_iter().zip(&mut effects.0) {
-            let mut carried = times(jacobian, *effect);
-            if matches!(cause, Cause::Speed | Cause::Rate(_)) {
+        let (kept, lost) = transition.drift();
+        let mut sensitivity = self.sensitivity;
+        for (cause, effect) in SharedError::ALL.into_iter().zip(&mut sensitivity.0) {
+            let mut propagated = times(jacobian, *effect);
+            if matches!(cause, SharedError::Speed | SharedError::Rate(_)) {
                 let sigma = cause.sigma(setup, self.edge.bearing);
-                covariance = covariance.and(scale(carried, sigma * lost));
-                carried = scale(carried, kept);
+                covariance = covariance.and(scale(propagated, sigma * lost));
+                propagated = scale(propagated, kept);
             }
-            *effect = add(carried, view.change_of(cause, &self.edge, passage));
+            *effect = add(propagated, view.change_of(cause, &self.edge, transition));
         }
-        Some(Self { edge: view.edge, covariance, effects })
+        Some(Self { edge: view.edge, covariance, sensitivity })
     }
 }
 
 /// From the start of one frame to the start of another.
-pub(crate) struct Passage<S> {
+pub(crate) struct FrameTransition<S> {
     /// Of the camera at the later frame's start, in the axes of the earlier one.
     pub(crate) pose: Pose<S>,
     pub(crate) elapsed_s: S,
@@ -43,7 +43,7 @@ pub(crate) struct Passage<S> {
     pub(crate) gravity: [S; 3],
 }
 
-impl<S: Scalar> Passage<S> {
+impl<S: Scalar> FrameTransition<S> {
     /// A direction of the earlier frame in the axes of the later one.
     fn turn(&self, direction: [S; 3]) -> [S; 3] {
         let [x, y, z] = self.pose.rotation;
@@ -61,7 +61,7 @@ impl<S: Scalar> Passage<S> {
 
 /// An edge as the later frame has it.
 struct View<S> {
-    edge: LineInSpace<S>,
+    edge: Line3<S>,
     /// ρ P for the edge's point in the plane y = 0 of the earlier frame.
     foot: [S; 3],
     down: [S; 3],
@@ -74,20 +74,20 @@ struct View<S> {
 }
 
 impl<S: Scalar> View<S> {
-    fn of(edge: &LineInSpace<S>, passage: &Passage<S>) -> Option<Self> {
+    fn of(edge: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
         let from = [edge.bearing, S::ZERO, S::ONE];
-        let foot = passage.turn(sub(from, scale(passage.pose.position_m, edge.inverse_depth)));
-        let down = passage.turn(edge.direction());
+        let foot = transition.turn(sub(from, scale(transition.pose.position_m, edge.inverse_depth)));
+        let down = transition.turn(edge.direction());
         let ([_, y, _], [_, dy, _]) = (foot, down);
         let tenth = S::ratio(1, 10);
         let along = y / dy;
         let [x, _, depth] = sub(foot, scale(down, along));
-        let start = LineInSpace::start(passage.gravity);
+        let start = Line3::start(transition.gravity);
         let length = dot(down, start.gravity);
         if !(dy.abs() > tenth && depth > tenth * tenth && length > tenth) {
             return None;
         }
-        let edge = LineInSpace {
+        let edge = Line3 {
             bearing: x / depth,
             inverse_depth: edge.inverse_depth / depth,
             tilt: dot(down, start.lean) / length,
@@ -108,33 +108,33 @@ impl<S: Scalar> View<S> {
         ]
     }
 
-    fn jacobian(&self, old: &LineInSpace<S>, passage: &Passage<S>) -> [[S; 3]; 3] {
+    fn jacobian(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> [[S; 3]; 3] {
         let none = [S::ZERO; 3];
-        let [aa, ra, ba] = self.change(passage.turn([S::ONE, S::ZERO, S::ZERO]), none, S::ZERO);
-        let [ar, rr, br] = self.change(passage.turn(scale(passage.pose.position_m, -S::ONE)), none, S::ONE);
-        let [ab, rb, bb] = self.change(none, passage.turn(old.lean), S::ZERO);
+        let [aa, ra, ba] = self.change(transition.turn([S::ONE, S::ZERO, S::ZERO]), none, S::ZERO);
+        let [ar, rr, br] = self.change(transition.turn(scale(transition.pose.position_m, -S::ONE)), none, S::ONE);
+        let [ab, rb, bb] = self.change(none, transition.turn(old.lean), S::ZERO);
         [[aa, ar, ab], [ra, rr, rb], [ba, br, bb]]
     }
 
     /// What a unit error of a cause adds on the way.
-    fn change_of(&self, cause: Cause, old: &LineInSpace<S>, passage: &Passage<S>) -> [S; 3] {
+    fn change_of(&self, cause: SharedError, old: &Line3<S>, transition: &FrameTransition<S>) -> [S; 3] {
         let none = [S::ZERO; 3];
         match cause {
-            Cause::Speed => {
-                let back = passage.turn(scale(passage.pose.position_m, -old.inverse_depth));
+            SharedError::Speed => {
+                let back = transition.turn(scale(transition.pose.position_m, -old.inverse_depth));
                 self.change(back, none, S::ZERO)
             }
-            Cause::Rate(axis) => {
-                let angle = on_axis(axis, passage.elapsed_s);
+            SharedError::Rate(axis) => {
+                let angle = on_axis(axis, transition.elapsed_s);
                 self.change(cross(self.foot, angle), cross(self.down, angle), S::ZERO)
             }
             // Of the rows of a frame alone.
-            Cause::Tilt | Cause::Lens | Cause::Readout | Cause::Focal => none,
+            SharedError::Tilt | SharedError::Lens | SharedError::Readout | SharedError::Focal => none,
         }
     }
 
-    fn turned_lean(&self, old: &LineInSpace<S>, passage: &Passage<S>) -> S {
-        dot(passage.turn(old.lean), cross(self.edge.gravity, self.edge.lean))
+    fn turned_lean(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> S {
+        dot(transition.turn(old.lean), cross(self.edge.gravity, self.edge.lean))
     }
 }
 

@@ -2,12 +2,12 @@
 
 use heapless::Vec;
 
-use super::landmark::{Claim, Landmark, Sighting, is_of_use};
-use super::propagation::Passage;
+use super::landmark::{Claim, Landmark, LineObservation, is_informative};
+use super::propagation::FrameTransition;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
-use crate::range::{Range, State};
+use crate::range::{LineState, Range};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -34,7 +34,7 @@ use crate::setup::Setup;
 ///
 /// ```
 /// use shutter_range::{
-///     Camera, Distortion, Edge, Intrinsics, Limits, Motion, Ranger, Readout, Sequence, Setup, Twist, Uncertainty,
+///     Camera, Distortion, EdgePoint, Intrinsics, Limits, Motion, Ranger, Readout, Sequence, Setup, Twist, Uncertainty,
 /// };
 /// # let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f64), Distortion::NONE)?;
 /// # let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
@@ -51,7 +51,7 @@ use crate::setup::Setup;
 ///         // A post 2 m away that leans by half a degree.
 ///         let moved_m = 1.5 * (interval_s * frame as f64 + time_ns as f64 * 1e-9);
 ///         let column_px = 200.0 + 600.0 * moved_m / 2.0 + 0.0087 * (row as f64 - 239.5);
-///         ranger.edge(&setup, Edge::new(row, (column_px * 65536.0) as i32, time_ns))?;
+///         ranger.edge_point(&setup, EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns))?;
 ///     }
 ///     ranger.end_frame(&setup);
 ///     sequence.frame(&setup, &motion, &mut ranger, |range| {
@@ -87,12 +87,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// that its table needs room for all lines of a frame. Between two frames belongs an [`advance`](Self::advance): without it, the
     /// edges of earlier frames are forgotten.
     ///
-    /// *Cost*: for each line one fit as in [`Range::of_line`] or two, and three predictions for each landmark of its polarity.
-    pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const EDGES: usize>(
+    /// *Cost*: for each line one fit as in [`Range::from_line`] or two, and three predictions for each landmark of its polarity.
+    pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
-        ranger: &mut Ranger<LINES, KNOTS, EDGES>,
+        ranger: &mut Ranger<LINES, KNOTS, POINTS>,
         mut found: impl FnMut(Range<S>),
     ) {
         self.assign(setup, motion, ranger.places(), |place| ranger.line_at(place));
@@ -131,11 +131,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         elapsed_s: S,
         gravity: [S; 3],
     ) -> Result<(), ParameterError> {
-        let passage = Passage { pose: *pose, elapsed_s, gravity: checked_direction(gravity)? };
+        let transition = FrameTransition { pose: *pose, elapsed_s, gravity: checked_direction(gravity)? };
         self.has_frame = false;
-        self.landmarks.retain_mut(|landmark| match landmark.carried(setup, &passage) {
-            Some(carried) => {
-                *landmark = carried;
+        self.landmarks.retain_mut(|landmark| match landmark.propagated(setup, &transition) {
+            Some(propagated) => {
+                *landmark = propagated;
                 true
             }
             None => false,
@@ -178,8 +178,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         for place in places {
             let mut asking = Some(place);
             while let Some(place) = asking {
-                let sighting = line_at(place).and_then(|line| Sighting::new(setup, motion, line));
-                asking = sighting.and_then(|sighting| self.claim(setup, place, &sighting));
+                let observation = line_at(place).and_then(|line| LineObservation::new(setup, motion, line));
+                asking = observation.and_then(|observation| self.claim(setup, place, &observation));
             }
         }
     }
@@ -194,10 +194,10 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
 
     /// Asks the landmark that a line lies nearest to, of those that would have it, and returns the line that is turned down
     /// for it.
-    fn claim(&mut self, setup: &Setup<S>, place: usize, sighting: &Sighting<S>) -> Option<usize> {
+    fn claim(&mut self, setup: &Setup<S>, place: usize, observation: &LineObservation<S>) -> Option<usize> {
         let mut best: Option<(&mut Landmark<S>, Claim<S>)> = None;
         for landmark in &mut self.landmarks {
-            let Some(claim) = landmark.claim_of(setup, place, sighting) else { continue };
+            let Some(claim) = landmark.claim_of(setup, place, observation) else { continue };
             let nearer = |other: &Claim<S>| claim.distance < other.distance;
             if landmark.claim.as_ref().is_none_or(nearer) && best.as_ref().is_none_or(|(_, best)| nearer(best)) {
                 best = Some((landmark, claim));
@@ -218,11 +218,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let Some(index) = self.landmarks.iter().position(is_claimed) else {
             return self.begin(setup, motion, line);
         };
-        let sighting = Sighting::new(setup, motion, line);
+        let observation = LineObservation::new(setup, motion, line);
         let others = self.landmarks.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
         let state = self.landmarks.get(index).map(|landmark| landmark.state);
-        let is_mixed = is_mixed(sighting.as_ref(), state.as_ref(), others);
-        let Some(landmark) = self.landmarks.get_mut(index) else { return Range::of_line(setup, motion, line) };
+        let is_mixed = is_mixed(observation.as_ref(), state.as_ref(), others);
+        let Some(landmark) = self.landmarks.get_mut(index) else { return Range::from_line(setup, motion, line) };
         let range = if is_mixed {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
@@ -241,10 +241,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let (range, state) = Range::continued(setup, motion, line, None);
         // An edge of which only the bearing is known tells nothing of where it will be.
         let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
-        let Some(state) = state.filter(|_| is_of_use(range.status) && has_depth) else { return range };
+        let Some(state) = state.filter(|_| is_informative(range.status) && has_depth) else { return range };
         // What comes into view beside an edge is often half hidden by it, and would begin with a wrong column.
-        let sighting = Sighting::new(setup, motion, line);
-        let is_beside = |landmark: &Landmark<S>| sighting.as_ref().is_some_and(|sighting| landmark.is_beside(sighting));
+        let observation = LineObservation::new(setup, motion, line);
+        let is_beside =
+            |landmark: &Landmark<S>| observation.as_ref().is_some_and(|observation| landmark.is_beside(observation));
         if self.landmarks.iter().any(|landmark| landmark.frames > 1 && landmark.claim.is_some() && is_beside(landmark))
         {
             return range;
@@ -252,8 +253,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let id = self.next_id;
         // Whatever the place, it is not a line that is still to be taken.
         let claim = Some(Claim { place: usize::MAX, distance: S::ZERO, has_moved: false });
-        let (polarity, frames, missed, on_probation) = (line.first().polarity, 1, 0, 0);
-        let landmark = Landmark { id, polarity, frames, missed, on_probation, claim, state };
+        let (polarity, frames, missed, hold_off) = (line.first().polarity, 1, 0, 0);
+        let landmark = Landmark { id, polarity, frames, missed, hold_off, claim, state };
         if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
@@ -278,12 +279,14 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
 
 /// Whether an edge lies so near to one at another depth that the two blend: their columns are then those of neither.
 fn is_mixed<'l, S: Scalar + 'l>(
-    sighting: Option<&Sighting<S>>,
-    state: Option<&State<S>>,
+    observation: Option<&LineObservation<S>>,
+    state: Option<&LineState<S>>,
     mut others: impl Iterator<Item = &'l Landmark<S>>,
 ) -> bool {
-    match (sighting, state) {
-        (Some(sighting), Some(state)) => others.any(|other| other.is_beside(sighting) && other.state.is_apart(state)),
+    match (observation, state) {
+        (Some(observation), Some(state)) => {
+            others.any(|other| other.is_beside(observation) && other.state.is_apart(state))
+        }
         _ => false,
     }
 }

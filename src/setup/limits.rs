@@ -13,14 +13,14 @@ pub struct Limits {
     /// an eighth of it where the line has 64 edges. Of pixels, no farther than four times as far as the line's edges scatter.
     pub gate_q16: u32,
     /// Edges after which a tentative line is confirmed.
-    pub confirm_edges: u16,
+    pub confirm_points: u16,
     /// Rows in a row without an edge after which a tentative line is dropped.
     pub tentative_gap_rows: u16,
     /// Rows in a row without an edge after which a confirmed line ends; two more for each edge it has, or one for every two where
     /// its edges are somebody's own.
     pub gap_rows: u16,
     /// A line of fewer edges is `short`.
-    pub min_edges: u16,
+    pub min_points: u16,
 }
 
 impl Limits {
@@ -28,10 +28,10 @@ impl Limits {
     pub const DEFAULT: Self = Self {
         max_slope_q16: 1 << 16,
         gate_q16: 2 << 16,
-        confirm_edges: 5,
+        confirm_points: 5,
         tentative_gap_rows: 2,
         gap_rows: 12,
-        min_edges: 8,
+        min_points: 8,
     };
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
@@ -42,7 +42,7 @@ impl Limits {
         };
         wide("max_slope_q16", self.max_slope_q16)?;
         wide("gate_q16", self.gate_q16)?;
-        for (name, value, least) in [("confirm_edges", self.confirm_edges, 2), ("min_edges", self.min_edges, 3)] {
+        for (name, value, least) in [("confirm_points", self.confirm_points, 2), ("min_points", self.min_points, 3)] {
             if value < least {
                 return Err(ParameterError::new(name, f64::from(value), "at least 2 to confirm, 3 for a range"));
             }

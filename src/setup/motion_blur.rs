@@ -21,13 +21,13 @@ pub struct MotionBlur<S> {
 impl<S: Scalar> MotionBlur<S> {
     /// A known exposure and a lens of which nothing is known: 0.5 to 1.0 px.
     #[must_use]
-    pub fn of_exposure(exposure_s: S) -> Self {
+    pub fn from_exposure(exposure_s: S) -> Self {
         Self { exposure_s, lens_blur_px: S::ratio(3, 4), sigma_lens_blur_px: S::ratio(144, 1000) }
     }
 
     /// A known exposure and a calibrated lens, good to 5 %.
     #[must_use]
-    pub fn of_lens(exposure_s: S, lens_blur_px: S) -> Self {
+    pub fn from_calibrated_lens(exposure_s: S, lens_blur_px: S) -> Self {
         Self { exposure_s, lens_blur_px, sigma_lens_blur_px: lens_blur_px * S::ratio(1, 20) }
     }
 

@@ -1,7 +1,7 @@
-//! Edge points from CSV.
+//! EdgePoint points from CSV.
 
 use anyhow::Result;
-use shutter_range::{Edge, Polarity};
+use shutter_range::{EdgePoint, Polarity};
 
 use super::bounds::Bounds;
 use super::setup::{SIGMA_PX, SetupFile};
@@ -14,7 +14,7 @@ pub(crate) struct EdgeRow {
     pub(crate) at: usize,
     pub(crate) frame: Option<i64>,
     pub(crate) line: Option<i64>,
-    pub(crate) edge: Edge,
+    pub(crate) edge: EdgePoint,
 }
 
 pub(crate) struct EdgeFile {
@@ -69,7 +69,7 @@ impl<'a> RowParser<'a> {
             None => self.setup.setup.readout().row_time_ns(row),
         };
         let sigma_px = record.number("sigma_px", SIGMA_PX)?.unwrap_or(self.setup.sigma_column_px);
-        let edge = Edge::new(row, (column_px * 65536.0).round() as i32, time_ns)
+        let edge = EdgePoint::new(row, (column_px * 65536.0).round() as i32, time_ns)
             .with_polarity(polarity(record)?)
             // Whatever is finer than the grid of columns is as good as the grid.
             .with_sigma_q16(((sigma_px * 65536.0).round() as u32).max(1));

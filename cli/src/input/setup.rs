@@ -85,8 +85,8 @@ fn parse(text: &str, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile
 fn with_optics(setup: Setup<f64>, optics: &Optics) -> Result<Setup<f64>> {
     let Some(exposure_s) = optics.exposure_s else { return Ok(setup) };
     let motion_blur = match optics.lens_blur_px {
-        Some(lens_blur_px) => MotionBlur::of_lens(exposure_s, lens_blur_px),
-        None => MotionBlur::of_exposure(exposure_s),
+        Some(lens_blur_px) => MotionBlur::from_calibrated_lens(exposure_s, lens_blur_px),
+        None => MotionBlur::from_exposure(exposure_s),
     };
     setup.with_motion_blur(motion_blur).map_err(dotted)
 }

@@ -101,9 +101,9 @@ impl Frame {
             name,
             torn: false,
             ranges: ranges.iter().map(RangeReport::new).collect(),
-            dropped_edges: counters.dropped_edges,
+            dropped_edges: counters.dropped_points,
             dropped_lines: counters.dropped_lines,
-            stray_edges: counters.stray_edges,
+            stray_edges: counters.stray_points,
         }
     }
 }
@@ -125,7 +125,7 @@ impl RangeReport {
             last_row: range.last_row,
             column_at_first_row: range.column_at_first_row,
             column_at_last_row: range.column_at_last_row,
-            edges: range.edges,
+            edges: range.points,
             polarity: polarity(range.polarity),
             status: range.status.into(),
             line_id: range.line_id,
@@ -134,7 +134,7 @@ impl RangeReport {
             sigma_tilt_deg: estimate.sigma_tilt.to_degrees(),
             sigma_common: depth.estimate_m.map(|_| estimate.budget.common_per_m() / estimate.inverse_depth_per_m),
             dominant: source(estimate.budget.dominant()),
-            edges_used: range.edges_used,
+            edges_used: range.points_used,
             misfit: estimate.misfit,
         }
     }

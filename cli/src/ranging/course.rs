@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, anyhow, ensure};
-use shutter_range::{FrameMotion, Motion, Pose, Stamps, StreamClock, Streams, Trajectory, TrajectoryGap, Twist};
+use shutter_range::{
+    FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, TrajectoryGap, Twist,
+};
 
 use crate::arguments::CourseArgs;
 use crate::input::setup::{self, SetupFile};
@@ -145,9 +147,13 @@ impl Measured {
 }
 
 /// All values are those of the instant of their line, on the frames' clock.
-fn instants(max_gap_ns: u64) -> Streams {
-    let clock = StreamClock { offset_ns: 0, max_gap_ns };
-    Streams { velocity: Stamps::Instant(clock), rate: Some(Stamps::Instant(clock)), gravity: Some(clock) }
+fn instants(max_gap_ns: u64) -> TrajectoryConfig {
+    let clock = SensorClock { offset_ns: 0, max_gap_ns };
+    TrajectoryConfig {
+        velocity: StampConvention::Instant(clock),
+        rate: Some(StampConvention::Instant(clock)),
+        gravity: Some(clock),
+    }
 }
 
 fn push<const N: usize>(trajectory: &mut Trajectory<f64, N>, sample: &Sample) -> Result<()> {
@@ -188,7 +194,7 @@ fn carried(
     max_gap_ns: u64,
 ) -> Result<Vec<(usize, [f64; 3])>> {
     // Those on either side are enough from one to the next.
-    let mut window: Trajectory<f64, 3> = Trajectory::new(Streams { gravity: None, ..instants(max_gap_ns) });
+    let mut window: Trajectory<f64, 3> = Trajectory::new(TrajectoryConfig { gravity: None, ..instants(max_gap_ns) });
     let mut from_ns = 0;
     let mut found = Vec::new();
     for index in indices {

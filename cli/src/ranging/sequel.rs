@@ -64,7 +64,8 @@ impl Sequel {
 
     /// A frame on its own tells the lens, too: what it has told then serves all of its lines.
     fn independent(&self, motion: &CameraMotion<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
-        let of = |setup: &Setup<f64>| lines.iter().map(|line| Range::of_line(setup, motion, line)).collect::<Vec<_>>();
+        let of =
+            |setup: &Setup<f64>| lines.iter().map(|line| Range::from_line(setup, motion, line)).collect::<Vec<_>>();
         let ranges = of(&self.setup);
         match self.lens {
             Some(mut lens) => Ok(of(&learned(&self.setup, &mut lens, &ranges)?)),

@@ -37,7 +37,7 @@ pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>) -> Result<Tracke
             pass_empty_rows(&mut ranger, &setup, previous, first.edge.row, step)?;
         }
         for row in of_row {
-            let taken = ranger.edge(&setup, row.edge);
+            let taken = ranger.edge_point(&setup, row.edge);
             taken.map_err(|error| refused(row, previous, error))?;
         }
         lines.extend(std::iter::from_fn(|| ranger.next_line()));

@@ -2,7 +2,7 @@
 
 use crate::tool::{Folder, SETUP};
 
-const EDGES: &str = "row,column\n1,2\n";
+const POINTS: &str = "row,column\n1,2\n";
 
 #[track_caller]
 fn assert_fails(folder: &Folder, message: &str) {
@@ -16,7 +16,7 @@ fn assert_fails(folder: &Folder, message: &str) {
 #[track_caller]
 fn refuse_setup(old: &str, new: &str, message: &str) {
     assert!(SETUP.contains(old), "{old}");
-    assert_fails(&Folder::of(&SETUP.replace(old, new), EDGES), &format!("setup.toml: {message}"));
+    assert_fails(&Folder::of(&SETUP.replace(old, new), POINTS), &format!("setup.toml: {message}"));
 }
 
 #[track_caller]
@@ -26,7 +26,7 @@ fn refuse_edges(edges: &str, message: &str) {
 
 #[test]
 fn usage_is_exit_code_2() {
-    let folder = Folder::of(SETUP, EDGES);
+    let folder = Folder::of(SETUP, POINTS);
     for arguments in [&["edges"][..], &["edges", "edges.csv"], &[], &["table3"], &["table2", "--yaml"]] {
         assert_eq!(folder.run(arguments).code, 2, "{arguments:?}");
     }
@@ -40,7 +40,7 @@ fn usage_is_exit_code_2() {
 fn missing_files() {
     let outcome = Folder::new().with("setup.toml", SETUP).edges();
     assert!(outcome.code == 1 && outcome.stderr.starts_with("error: reading edges.csv: "), "{}", outcome.stderr);
-    let outcome = Folder::new().with("edges.csv", EDGES).edges();
+    let outcome = Folder::new().with("edges.csv", POINTS).edges();
     assert!(outcome.code == 1 && outcome.stderr.starts_with("error: reading setup.toml: "), "{}", outcome.stderr);
     let outcome = Folder::new().with("setup.toml", SETUP).with("edges.csv", [0xff, 0xfe]).edges();
     assert!(outcome.code == 1 && outcome.stderr.contains("UTF-8"), "{}", outcome.stderr);
@@ -187,7 +187,7 @@ fn vectors_of_a_setup() {
         "fx = 600\ndistortion = [0, 0, nan, 0, 0]",
         "`camera.distortion[2]` is nan, but must be a number from -1000 to 1000 (coefficient of distortion)",
     );
-    let outcome = Folder::of(&SETUP.replace("fx = 600", "fx = 600\ndistortion = [-2, 0, 0, 0, 0]"), EDGES).edges();
+    let outcome = Folder::of(&SETUP.replace("fx = 600", "fx = 600\ndistortion = [-2, 0, 0, 0, 0]"), POINTS).edges();
     assert!(
         outcome.stderr.starts_with("error: setup.toml: `camera.distortion` folds over at radius "),
         "{}",
@@ -217,11 +217,11 @@ fn vectors_of_a_setup() {
 
 #[test]
 fn toml_that_is_none() {
-    let outcome = Folder::of(&SETUP.replace("rows = 480", "rows == 480"), EDGES).edges();
+    let outcome = Folder::of(&SETUP.replace("rows = 480", "rows == 480"), POINTS).edges();
     assert_eq!(outcome.code, 1);
     assert!(outcome.stderr.starts_with("error: setup.toml: line 3: "), "{}", outcome.stderr);
     assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
-    assert_fails(&Folder::of("camera = 3\n", EDGES), "setup.toml: `camera` is 3, but must be a section: [camera]");
+    assert_fails(&Folder::of("camera = 3\n", POINTS), "setup.toml: `camera` is 3, but must be a section: [camera]");
 }
 
 #[test]

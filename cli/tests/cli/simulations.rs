@@ -26,7 +26,7 @@ level = 60
 ";
 
 /// The bar's edges from left to right: bearing, depth and polarity.
-const EDGES: [(f64, f64, &str); 4] = [
+const POINTS: [(f64, f64, &str); 4] = [
     (-0.225, 2.0, "falling"),
     (-0.175, 2.0, "rising"),
     (0.25 - 0.1 / 3.0, 3.0, "falling"),
@@ -53,7 +53,7 @@ fn what_is_simulated_is_found() {
     for (number_of_frame, (truth, found)) in list(&told, "frames").iter().zip(list(&found, "frames")).enumerate() {
         let (edges, ranges) = (list(truth, "edges"), list(found, "ranges"));
         assert_eq!((edges.len(), ranges.len()), (4, 4), "{ranges:?}");
-        for ((edge, range), (bearing, depth_m, polarity)) in edges.iter().zip(ranges).zip(EDGES) {
+        for ((edge, range), (bearing, depth_m, polarity)) in edges.iter().zip(ranges).zip(POINTS) {
             // To the left at 1.5 m/s, frame by frame.
             let bearing = bearing + 1.5 / depth_m * number_of_frame as f64 / 30.0;
             assert_near(number(edge, "bearing"), bearing, 1e-5);

@@ -7,7 +7,7 @@ use defmt_semihosting as _; // the logger
 use semihosting as _; // the panic handler: message on stderr, exit code 101
 
 use shutter_range::{
-    Camera, Distortion, Edge, Intrinsics, Limits, ParameterError, Ranger, Readout, Setup, Twist, Uncertainty,
+    Camera, Distortion, EdgePoint, Intrinsics, Limits, ParameterError, Ranger, Readout, Setup, Twist, Uncertainty,
 };
 
 /// A post of 2.5 m, passed at 1.5 m/s, in a QVGA frame; the second edge lies behind the horizon of what can be told.
@@ -22,14 +22,14 @@ fn run() -> Result<(), ParameterError> {
         let time_ns = readout.row_time_ns(row);
         let shift_px = |depth_m: f32| 300.0 * 1.5 * (time_ns as f32 * 1e-9) / depth_m;
         for column_px in [100.0 + shift_px(2.5), 200.0 + shift_px(500.0)] {
-            let edge = Edge::new(row, (column_px * 65536.0) as i32, time_ns);
-            if let Err(refused) = ranger.edge(&setup, edge) {
+            let edge = EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns);
+            if let Err(refused) = ranger.edge_point(&setup, edge) {
                 defmt::warn!("{}", refused);
             }
         }
     }
     // Too late: the row has been read already.
-    if let Err(refused) = ranger.edge(&setup, Edge::new(7, 0, 0)) {
+    if let Err(refused) = ranger.edge_point(&setup, EdgePoint::new(7, 0, 0)) {
         defmt::warn!("{}", refused);
     }
     ranger.end_frame(&setup);
