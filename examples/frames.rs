@@ -10,10 +10,7 @@ mod board;
 
 use board::say;
 use shutter_range::sim::{Background, Bar, Exposure, Rail, Scene, Simulator};
-use shutter_range::{
-    Camera, Distortion, Intrinsics, Limits, MotionBlur, ParameterError, Range, RangeStatus, Ranger, Readout, Setup,
-    Twist, Uncertainty,
-};
+use shutter_range::{MotionBlur, ParameterError, Range, RangeStatus, Ranger, Setup, Sigmas, Twist};
 
 const COLUMNS: u16 = 320;
 const EXPOSURE_S: f32 = 0.006;
@@ -23,10 +20,8 @@ type SmallRanger = Ranger<8, 10, 24>;
 
 /// QVGA at 30 frames a second, with a known exposure and a calibrated lens.
 fn setup() -> Result<Setup<f32>, ParameterError> {
-    let camera = Camera::new(Intrinsics::centred(COLUMNS, 240, 300.0), Distortion::NONE)?;
-    let readout = Readout::from_frame_readout_ns(240, 33_333_333, Default::default())?;
-    Setup::new(camera, readout, Uncertainty::default(), Limits::default())?
-        .with_motion_blur(MotionBlur::from_calibrated_lens(EXPOSURE_S, LENS_BLUR_PX))
+    let lens = MotionBlur::from_calibrated_lens(EXPOSURE_S, LENS_BLUR_PX);
+    Setup::pinhole(COLUMNS, 240, 300.0, 33_333_333)?.with_motion_blur(lens)
 }
 
 /// Two posts, a tower, a bar that leans like the edge of something nearer, and a rail before all of them.
@@ -43,7 +38,7 @@ fn scene() -> Result<Scene<5>, ParameterError> {
 fn report(range: &Range<f32>) {
     let Range { first_row, last_row, status, polarity, column_at_first_row: column, .. } = range;
     let place = format_args!("rows {first_row:2} to {last_row}, column {column:5.1}, {polarity:?}");
-    let depth = range.depth(2.0);
+    let depth = range.depth(Sigmas(2.0));
     match (depth.estimate_m, depth.nearest_m) {
         (Some((depth_m, sigma_m)), _) => say!("  {place}: {depth_m:.3} m ± {sigma_m:.3}"),
         (None, Some(nearest)) if *status == RangeStatus::Far => say!("  {place}: farther than {nearest:.1} m"),

@@ -6,8 +6,8 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, LensBlur, Limits, Motion, MotionBlur, ParameterError, RangeStatus,
-    Ranger, Readout, ReadoutDirection, SensorClock, Sequence, Setup, StampConvention, Trajectory, TrajectoryConfig,
+    Camera, Distortion, EdgePoint, Intrinsics, LensBlur, Motion, MotionBlur, ParameterError, RangeStatus, Ranger,
+    Readout, ReadoutDirection, SensorClock, Sequence, Setup, Sigmas, StampConvention, Trajectory, TrajectoryConfig,
     Twist, Uncertainty,
 };
 
@@ -19,15 +19,13 @@ fn setup() -> Result<Setup<f32>, ParameterError> {
     let lens = Distortion::from_opencv([-0.002, 0.0005, 0.00001, -0.00001, 0.0]);
     let camera = Camera::new(Intrinsics::centred(COLUMNS as u16, ROWS, 150.0), lens)?;
     let readout = Readout::from_frame_readout_ns(ROWS, 16_666_667, ReadoutDirection::TopToBottom)?;
-    let uncertainty = Uncertainty {
-        sigma_gravity: 0.001,
-        sigma_speed: 0.01,
-        sigma_rate_rad_s: 0.001,
-        sigma_readout: 0.001,
-        sigma_focal: 0.001,
-        ..Uncertainty::default()
-    };
-    Setup::new(camera, readout, uncertainty, Limits::default())?.with_motion_blur(MotionBlur::from_exposure(0.001))
+    let uncertainty = Uncertainty::default()
+        .with_sigma_gravity(0.001)
+        .with_sigma_speed(0.01)
+        .with_sigma_rate_rad_s(0.001)
+        .with_sigma_readout(0.001)
+        .with_sigma_focal(0.001);
+    Setup::new(camera, readout)?.with_uncertainty(uncertainty)?.with_motion_blur(MotionBlur::from_exposure(0.001))
 }
 
 /// One row of a picture with a bright post that leans as a moving camera sees it.
@@ -82,7 +80,7 @@ fn run() -> Result<bool, ParameterError> {
     let mut lens = LensBlur::new(MotionBlur::from_exposure(0.001));
     for _ in 0..2 {
         sequence.frame(&setup, &motion, &mut ranger, |range| {
-            from_edges |= range.status == RangeStatus::Ok && range.distance(2.0).farthest_m.is_some();
+            from_edges |= range.status == RangeStatus::Ok && range.distance(Sigmas(2.0)).farthest_m.is_some();
             lens.learn(&range);
         });
         sequence.advance(&setup, &motion.pose(0.017), 0.017, motion.gravity())?;

@@ -10,8 +10,7 @@ mod board;
 
 use board::say;
 use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, Limits, Motion, ParameterError, Polarity, Range, Ranger, Readout,
-    Sequence, Setup, Twist, Uncertainty,
+    EdgePoint, Motion, ParameterError, Polarity, Range, Ranger, Sequence, Setup, Sigmas, Twist, Uncertainty,
 };
 
 /// An edge of the van: where it is at first, and how it leans.
@@ -34,10 +33,8 @@ const INTERVAL_S: f32 = 1.0 / 30.0;
 
 /// VGA at 30 frames a second; pillars may lean by half a degree, and the van's speed is known to 1 %.
 fn setup() -> Result<Setup<f32>, ParameterError> {
-    let camera = Camera::new(Intrinsics::centred(640, 480, 600.0), Distortion::NONE)?;
-    let readout = Readout::from_frame_readout_ns(480, 30_000_000, Default::default())?;
-    let uncertainty = Uncertainty { sigma_tilt: 0.0087, sigma_speed: 0.01, ..Uncertainty::NONE };
-    Setup::new(camera, readout, uncertainty, Limits::default())
+    let uncertainty = Uncertainty::NONE.with_sigma_tilt(0.0087).with_sigma_speed(0.01);
+    Setup::pinhole(640, 480, 600.0, 30_000_000)?.with_uncertainty(uncertainty)
 }
 
 /// What an edge detector would deliver: the true column and some noise.
@@ -56,7 +53,7 @@ fn edge_of(pillar: &Pillar, setup: &Setup<f32>, frame: u8, row: u16, noise: i32)
 fn report(range: &Range<f32>) {
     let (id, frames, status) = (range.line_id.unwrap_or(0), range.frames, range.status);
     let source = range.estimate.budget.dominant();
-    match range.depth(2.0).estimate_m {
+    match range.depth(Sigmas(2.0)).estimate_m {
         Some((depth_m, sigma_m)) => {
             let (tilt, sigma_tilt) = (range.estimate.tilt * 57.3, range.estimate.sigma_tilt * 57.3);
             say!(

@@ -8,10 +8,7 @@
 mod board;
 
 use board::say;
-use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, Limits, ParameterError, Polarity, Range, Ranger, Readout, Setup, Twist,
-    Uncertainty,
-};
+use shutter_range::{EdgePoint, ParameterError, Polarity, Range, Ranger, Setup, Sigmas, Twist};
 
 /// An edge of a post: bearing at frame start, depth, lean as a slope, and the rows where it is seen.
 struct Post {
@@ -31,9 +28,7 @@ const POSTS: [Post; 4] = [
 
 /// QVGA at 60 frames a second.
 fn setup() -> Result<Setup<f32>, ParameterError> {
-    let camera = Camera::new(Intrinsics::centred(320, 240, 300.0), Distortion::NONE)?;
-    let readout = Readout::from_frame_readout_ns(240, 16_666_667, Default::default())?;
-    Setup::new(camera, readout, Uncertainty::default(), Limits::default())
+    Setup::pinhole(320, 240, 300.0, 16_666_667)
 }
 
 /// What an edge detector would deliver: the true column and some noise, in 1/65536 px.
@@ -46,7 +41,7 @@ fn column_q16(post: &Post, setup: &Setup<f32>, row: u16, noise: i32) -> i32 {
 }
 
 fn report(range: &Range<f32>) {
-    let depth = range.depth(2.0);
+    let depth = range.depth(Sigmas(2.0));
     let (rows, status) = ((range.first_row, range.last_row), range.status);
     match (depth.estimate_m, depth.nearest_m, depth.farthest_m) {
         (Some((depth_m, sigma_m)), Some(nearest), Some(farthest)) => {

@@ -55,18 +55,19 @@ fn setups() {
     let camera = Camera::new(GOOD, Distortion::NONE).expect("sound");
     let readout = |rows| Readout::from_line_time_ps(rows, 69_444_444, Default::default()).expect("sound");
     let parameter = |rows, uncertainty, limits| {
-        Setup::new(camera, readout(rows), uncertainty, limits).expect_err("nonsense").parameter
+        let setup = Setup::new(camera, readout(rows)).and_then(|setup| setup.with_uncertainty(uncertainty));
+        setup.and_then(|setup| setup.with_limits(limits)).expect_err("nonsense").parameter
     };
     assert_eq!(parameter(481, Uncertainty::NONE, Limits::DEFAULT), "rows of the readout");
     for sigma in [f64::NAN, -0.1, f64::INFINITY] {
-        let uncertainty = Uncertainty { sigma_speed: sigma, ..Uncertainty::NONE };
+        let uncertainty = Uncertainty::NONE.with_sigma_speed(sigma);
         assert_eq!(parameter(480, uncertainty, Limits::DEFAULT), "sigma_speed");
     }
-    let limits = Limits { confirm_points: 1, ..Limits::DEFAULT };
+    let limits = Limits::DEFAULT.with_confirm_points(1);
     assert_eq!(parameter(480, Uncertainty::NONE, limits), "confirm_points");
-    let limits = Limits { min_points: 2, ..Limits::DEFAULT };
+    let limits = Limits::DEFAULT.with_min_points(2);
     assert_eq!(parameter(480, Uncertainty::NONE, limits), "min_points");
-    let limits = Limits { gate_q16: u32::MAX, ..Limits::DEFAULT };
+    let limits = Limits::DEFAULT.with_gate_q16(u32::MAX);
     assert_eq!(parameter(480, Uncertainty::NONE, limits), "gate_q16");
 }
 

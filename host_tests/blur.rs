@@ -102,7 +102,7 @@ fn the_budget_names_the_lens() {
     let dominant = |blur| Shot::new(0.0, 1).with(blur).ranges().first().expect("a range").estimate.budget.dominant();
     assert_eq!(dominant(MotionBlur::from_exposure(EXPOSURE_S)), ErrorSource::Lens);
     assert_ne!(
-        dominant(MotionBlur { sigma_lens_blur_px: 0.001, ..MotionBlur::from_calibrated_lens(EXPOSURE_S, 0.7) }),
+        dominant(MotionBlur::from_calibrated_lens(EXPOSURE_S, 0.7).with_sigma_lens_blur_px(0.001)),
         ErrorSource::Lens
     );
 }

@@ -83,21 +83,20 @@ fn sigma_holds_in_every_frame() {
 fn sigma_holds_under_each_disturbance() {
     let degree = 10.0 * TENTH_DEGREE;
     let none = Uncertainty::<f64>::NONE;
-    let all = Uncertainty {
-        sigma_tilt: TENTH_DEGREE,
-        sigma_gravity: 0.2 * degree,
-        sigma_speed: 0.02,
-        sigma_rate_rad_s: 0.5 * degree,
-        sigma_readout: 0.01,
-        sigma_focal: 0.01,
-    };
+    let all = none
+        .with_sigma_tilt(TENTH_DEGREE)
+        .with_sigma_gravity(0.2 * degree)
+        .with_sigma_speed(0.02)
+        .with_sigma_rate_rad_s(0.5 * degree)
+        .with_sigma_readout(0.01)
+        .with_sigma_focal(0.01);
     let alone = [
-        ("tilt", Uncertainty { sigma_tilt: all.sigma_tilt, ..none }),
-        ("gravity", Uncertainty { sigma_gravity: all.sigma_gravity, ..none }),
-        ("speed", Uncertainty { sigma_speed: all.sigma_speed, ..none }),
-        ("rate", Uncertainty { sigma_rate_rad_s: all.sigma_rate_rad_s, ..none }),
-        ("readout", Uncertainty { sigma_readout: all.sigma_readout, ..none }),
-        ("focal", Uncertainty { sigma_focal: all.sigma_focal, ..none }),
+        ("tilt", none.with_sigma_tilt(all.sigma_tilt)),
+        ("gravity", none.with_sigma_gravity(all.sigma_gravity)),
+        ("speed", none.with_sigma_speed(all.sigma_speed)),
+        ("rate", none.with_sigma_rate_rad_s(all.sigma_rate_rad_s)),
+        ("readout", none.with_sigma_readout(all.sigma_readout)),
+        ("focal", none.with_sigma_focal(all.sigma_focal)),
         ("all", all),
     ];
     let paths = [Path::straight([-1.5, 0.0, 0.0]), Path::straight([-1.3, 0.0, 0.75])];
@@ -146,7 +145,7 @@ fn measured_motion_costs_no_accuracy() {
 #[test]
 fn sigma_holds_while_the_speed_drifts() {
     const RUNS: u64 = 400;
-    let stated = Uncertainty { sigma_speed: 0.02, ..tilt_of(TENTH_DEGREE) };
+    let stated = tilt_of(TENTH_DEGREE).with_sigma_speed(0.02);
     for (interval_s, frames) in [(1.0 / 30.0, 20), (0.2, 8)] {
         let journey = Journey { interval_s, row_step: 8, path: Path::straight([-0.4, 0.0, 0.0]), ..Journey::vga() };
         let mut last = Tally::default();

@@ -1,6 +1,6 @@
 //! The 36 exact edges of `data/lines.json`: six kinds of motion, three cameras.
 
-use shutter_range::{Estimate, Micro, Q32, Range, Scalar, fit};
+use shutter_range::{Estimate, Micro, Q32, Range, Scalar, Sigmas, fit};
 
 use crate::scenes::{ReferenceLine, TENTH_DEGREE, line_of, range_of, reference_lines, tilt_of};
 
@@ -41,7 +41,7 @@ fn double_precision_recovers_bearing_and_distance() {
     for line in reference_lines() {
         let found = estimate::<f64>(&line, 0.0);
         assert!((found.bearing - line.truth.bearing).abs() < 1e-9, "{}", line.kind);
-        let (distance_m, _) = found.distance(2.0).estimate_m.expect("a near edge");
+        let (distance_m, _) = found.distance(Sigmas(2.0)).estimate_m.expect("a near edge");
         // The file's distance is that of a level camera.
         if ["parallel", "forward", "oblique", "yaw"].contains(&line.kind.as_str()) {
             assert!((distance_m / line.truth.distance_m - 1.0).abs() < 1e-9, "{}", line.kind);

@@ -3,8 +3,8 @@
 use proptest::test_runner::{Config, RngSeed};
 use serde::Deserialize;
 use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, Limits, Line, Range, Readout, ReadoutDirection, Sample, Scalar, Setup,
-    Twist, Uncertainty,
+    Camera, Distortion, EdgePoint, Intrinsics, Line, Range, Readout, ReadoutDirection, Sample, Scalar, Setup, Twist,
+    Uncertainty,
 };
 
 use crate::projection::Scene;
@@ -95,7 +95,7 @@ impl Scene {
         let camera = Camera::new(intrinsics, Distortion::NONE).expect("sound camera");
         let line_time_ps = (self.readout_s * 1e12 / f64::from(self.rows)).round() as u64;
         let readout = Readout::from_line_time_ps(self.rows, line_time_ps, direction).expect("sound readout");
-        Setup::new(camera, readout, uncertainty, Limits::DEFAULT).expect("sound setup")
+        Setup::new(camera, readout).expect("sound").with_uncertainty(uncertainty).expect("sound setup")
     }
 
     pub(crate) fn motion<S: Scalar>(&self) -> Twist<S> {
@@ -133,7 +133,7 @@ pub(crate) fn range_of<S: Scalar>(scene: &Scene, uncertainty: Uncertainty<S>, ed
 
 /// An uncertainty of nothing but tilt.
 pub(crate) fn tilt_of<S: Scalar>(sigma_tilt: f64) -> Uncertainty<S> {
-    Uncertainty { sigma_tilt: S::from_f64(sigma_tilt), ..Uncertainty::NONE }
+    Uncertainty::NONE.with_sigma_tilt(S::from_f64(sigma_tilt))
 }
 
 /// 0.1° as a slope.

@@ -1,6 +1,6 @@
 //! Every status of a range, reached the way a user would.
 
-use shutter_range::{EdgePoint, Line, Range, RangeStatus, Uncertainty};
+use shutter_range::{EdgePoint, Line, Range, RangeStatus, Sigmas, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
@@ -13,13 +13,13 @@ fn range(scene: &Scene) -> Range<f32> {
 fn ok() {
     let range = range(&Scene::vga());
     assert_eq!(range.status, RangeStatus::Ok);
-    let depth = range.depth(2.0);
+    let depth = range.depth(Sigmas(2.0));
     let (estimate, sigma) = depth.estimate_m.expect("ok");
     let (nearest, farthest) = (depth.nearest_m.expect("positive"), depth.farthest_m.expect("bounded"));
     assert!(nearest < estimate && estimate < farthest);
     assert!((nearest..farthest).contains(&2.0));
     assert!(((farthest - nearest) / (4.0 * sigma) - 1.0).abs() < 0.05);
-    let (distance, _) = range.distance(2.0).estimate_m.expect("ok");
+    let (distance, _) = range.distance(Sigmas(2.0)).estimate_m.expect("ok");
     assert!((f64::from(distance) / (2.0 * f64::hypot(1.0, 0.05)) - 1.0).abs() < 1e-3);
 }
 
@@ -28,7 +28,7 @@ fn ok() {
 fn far() {
     let range = range(&Scene { depth_m: 400.0, ..Scene::vga() });
     assert_eq!(range.status, RangeStatus::Far);
-    let depth = range.depth(2.0);
+    let depth = range.depth(Sigmas(2.0));
     assert_eq!((depth.estimate_m, depth.farthest_m), (None, None));
     assert!((10.0..400.0).contains(&depth.nearest_m.expect("a bound")));
 }
@@ -41,7 +41,7 @@ fn slow() {
     assert_eq!(still.status, RangeStatus::Slow);
     assert_eq!(still.estimate.inverse_depth_per_m, 0.0);
     assert_eq!(still.estimate.sigma_inverse_depth_per_m, 1e6);
-    assert!(still.depth(2.0).estimate_m.is_none());
+    assert!(still.depth(Sigmas(2.0)).estimate_m.is_none());
 }
 
 /// A pure rotation shears the image without saying anything about depth.
@@ -58,7 +58,7 @@ fn inconsistent() {
     let against = Scene { velocity_m_s: [1.5, 0.0, 0.0], ..scene.clone() };
     let range = range_of::<f32>(&against, tilt_of(TENTH_DEGREE), &scene.edges());
     assert_eq!(range.status, RangeStatus::Inconsistent);
-    assert!(range.depth(2.0).estimate_m.is_none());
+    assert!(range.depth(Sigmas(2.0)).estimate_m.is_none());
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn bent() {
         .collect();
     let range = range_of::<f32>(&scene, Uncertainty::default(), &arc);
     assert_eq!(range.status, RangeStatus::Bent);
-    assert!(range.depth(2.0).estimate_m.is_none());
+    assert!(range.depth(Sigmas(2.0)).estimate_m.is_none());
     // Two halves of different edges are no straight edge either.
     let broken: Vec<_> = scene
         .edges()

@@ -219,7 +219,7 @@ fn a_full_table_refuses_the_newcomer_and_keeps_its_lines() {
     assert_depths(&found, &[3.0; 4]);
     assert!(found.iter().all(|range| range.points == 480));
     assert_eq!(ranger.counters().dropped_lines, 2 * 380);
-    assert_eq!(ranger.counters().dropped_points, 0);
+    assert_eq!(ranger.counters().dropped_points, 2 * 380);
 }
 
 #[test]
@@ -258,7 +258,8 @@ fn ended_lines_wait() {
         ranger.end_frame(&setup);
     }
     assert_eq!(ranger.ranges(&setup, &scene.motion::<f64>()).len(), 4);
-    assert_eq!(ranger.counters(), &shutter_range::Counters::default());
+    let counters = ranger.counters();
+    assert_eq!((counters.points, counters.stray_points, counters.dropped_lines), (2 * 2 * 480, 0, 0));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a setup states about speed, rotation, gravity, readout and focal length: each sigma against the error that the
 //! same disturbance causes.
 
-use shutter_range::{Distortion, Estimate, Intrinsics, Limits, Motion, Pose, Range, Sample, Setup, Uncertainty, fit};
+use shutter_range::{Distortion, Estimate, Intrinsics, Motion, Pose, Range, Sample, Setup, Sigmas, Uncertainty, fit};
 
 use crate::projection::Scene;
 use crate::scenes::{line_of, range_of};
@@ -34,7 +34,7 @@ fn assert_explains(name: &str, uncertainty: Uncertainty<f64>, disturbed: &[Scene
 #[test]
 fn speed() {
     let faster = Scene { velocity_m_s: scene().velocity_m_s.map(|v| v * (1.0 + SMALL)), ..scene() };
-    assert_explains("speed", Uncertainty { sigma_speed: SMALL, ..Uncertainty::NONE }, &[faster]);
+    assert_explains("speed", Uncertainty::NONE.with_sigma_speed(SMALL), &[faster]);
 }
 
 #[test]
@@ -44,7 +44,7 @@ fn rotation_rate() {
         other.rate_rad_s[axis] += SMALL;
         other
     };
-    let uncertainty = Uncertainty { sigma_rate_rad_s: SMALL, ..Uncertainty::NONE };
+    let uncertainty = Uncertainty::NONE.with_sigma_rate_rad_s(SMALL);
     assert_explains("rate", uncertainty, &[turned(0), turned(1), turned(2)]);
 }
 
@@ -57,7 +57,7 @@ fn readout() {
         rate_rad_s: scene().rate_rad_s.map(|r| r * scale),
         ..scene()
     };
-    assert_explains("readout", Uncertainty { sigma_readout: SMALL, ..Uncertainty::NONE }, &[slower]);
+    assert_explains("readout", Uncertainty::NONE.with_sigma_readout(SMALL), &[slower]);
 }
 
 /// A camera that brakes: a wrong readout time moves it by its velocity at that time, not by its mean one.
@@ -98,14 +98,14 @@ fn readout_of_an_accelerated_camera() {
     assert!((plain.inverse_depth_per_m - 0.5).abs() < 1e-9);
     let wrong = estimate(&Braking { time_scale: 1.0 + SMALL }, Uncertainty::NONE);
     let change = (wrong.inverse_depth_per_m - plain.inverse_depth_per_m).abs();
-    let sigma = estimate(&truth, Uncertainty { sigma_readout: SMALL, ..Uncertainty::NONE }).budget.common_per_m();
+    let sigma = estimate(&truth, Uncertainty::NONE.with_sigma_readout(SMALL)).budget.common_per_m();
     assert!((sigma / change - 1.0).abs() < 0.03, "sigma {sigma}, change {change}");
 }
 
 #[test]
 fn focal_length() {
     let longer = Scene { focal_px: scene().focal_px * (1.0 + SMALL), ..scene() };
-    assert_explains("focal", Uncertainty { sigma_focal: SMALL, ..Uncertainty::NONE }, &[longer]);
+    assert_explains("focal", Uncertainty::NONE.with_sigma_focal(SMALL), &[longer]);
 }
 
 /// Roll and pitch of gravity: sigma against the changes, in a scene where one frame cannot tell tilt from depth.
@@ -117,7 +117,7 @@ fn gravity() {
         estimate(&other, &scene, Uncertainty::NONE).inverse_depth_per_m - 1.0 / scene.depth_m
     };
     let (roll, pitch) = (changed([SMALL, 1.0, 0.0]), changed([0.0, 1.0, SMALL]));
-    let uncertainty = Uncertainty { sigma_gravity: SMALL, ..Uncertainty::NONE };
+    let uncertainty = Uncertainty::NONE.with_sigma_gravity(SMALL);
     let sigma = estimate(&scene, &scene, uncertainty).sigma_inverse_depth_per_m;
     assert!((sigma / roll.hypot(pitch) - 1.0).abs() < 0.05, "sigma {sigma}, roll {roll}, pitch {pitch}");
 }
@@ -139,7 +139,7 @@ fn tilt_is_the_error_budget_of_the_paper() {
     };
     // A rod of 2 m: 340 rows.
     let rod: Vec<_> = scene.edges().into_iter().filter(|edge| (370..710).contains(&edge.row)).collect();
-    let sigma_m = |uncertainty| range_of(&scene, uncertainty, &rod).depth(2.0).estimate_m.expect("near").1;
+    let sigma_m = |uncertainty| range_of(&scene, uncertainty, &rod).depth(Sigmas(2.0)).estimate_m.expect("near").1;
     let (tilt, pixels): (f64, f64) = (sigma_m(Uncertainty::default()), sigma_m(Uncertainty::NONE));
     assert!((0.7..0.85).contains(&tilt), "{tilt}");
     assert!(pixels < 0.03, "{pixels}");
@@ -164,7 +164,7 @@ fn distortion_is_undone() {
     let intrinsics = Intrinsics { cx: scene.cx, cy: scene.cy, ..Intrinsics::centred(640, 480, scene.focal_px) };
     let camera = shutter_range::Camera::new(intrinsics, distortion).expect("a real lens");
     let readout = *scene.setup::<f64>().readout();
-    let setup = Setup::new(camera, readout, Uncertainty::NONE, Limits::DEFAULT).expect("sound");
+    let setup = Setup::new(camera, readout).expect("sound").with_uncertainty(Uncertainty::NONE).expect("sound");
     let edges: Vec<_> = (0..scene.rows).filter_map(|row| distorted_edge(&scene, &camera, row)).collect();
     assert!(edges.len() > 400);
     let range = Range::from_line(&setup, &scene.motion(), &line_of::<16>(&edges));
@@ -198,12 +198,12 @@ fn the_budget_is_as_its_table_says() {
         let (f, v, line_time) = (scene.focal_px, 1.5, scene.readout_s / f64::from(scene.rows));
         let skew = depth_m / (f * v * line_time);
         let cases = [
-            (Lean, Uncertainty { sigma_tilt: SMALL, ..none }, SMALL * skew),
-            (Gravity, Uncertainty { sigma_gravity: SMALL, ..none }, SMALL * skew),
-            (Speed, Uncertainty { sigma_speed: 0.02, ..none }, 0.02),
-            (Rate, Uncertainty { sigma_rate_rad_s: 0.01, ..none }, 0.01 * depth_m / v),
-            (Readout, Uncertainty { sigma_readout: 0.02, ..none }, 0.02),
-            (Focal, Uncertainty { sigma_focal: 0.02, ..none }, 0.02),
+            (Lean, none.with_sigma_tilt(SMALL), SMALL * skew),
+            (Gravity, none.with_sigma_gravity(SMALL), SMALL * skew),
+            (Speed, none.with_sigma_speed(0.02), 0.02),
+            (Rate, none.with_sigma_rate_rad_s(0.01), 0.01 * depth_m / v),
+            (Readout, none.with_sigma_readout(0.02), 0.02),
+            (Focal, none.with_sigma_focal(0.02), 0.02),
         ];
         for (source, uncertainty, relative) in cases {
             let estimate = estimate(&scene, &scene, uncertainty);

@@ -56,6 +56,11 @@ pub enum RowError {
         /// The camera's number of columns.
         columns: u16,
     },
+    /// The frame is one of edge points. The row is left out and nothing else changes.
+    FrameOfPoints {
+        /// The row that came.
+        row: u16,
+    },
     /// The frame was torn before; rows are taken again from the next frame on.
     Torn,
 }
@@ -68,6 +73,12 @@ impl Display for RowError {
             }
             Self::Length { row, pixels, columns } => {
                 write!(formatter, "row {row} has {pixels} pixels, but must have {columns}: torn frame")
+            }
+            Self::FrameOfPoints { row } => {
+                write!(
+                    formatter,
+                    "row {row} came as pixels in a frame of edge points: a frame is made of one or the other"
+                )
             }
             Self::Torn => write!(formatter, "the frame is torn; rows are taken again after its end"),
         }
@@ -121,6 +132,10 @@ pub enum EdgeError {
         /// Time of the edge in nanoseconds since frame start.
         time_ns: i64,
     },
+    /// The frame is one of rows of pixels, in which the edge points are found.
+    FrameOfPixels,
+    /// The frame is torn; points are taken again from the next frame on.
+    Torn,
 }
 
 impl Display for EdgeError {
@@ -145,6 +160,10 @@ impl Display for EdgeError {
             Self::TimeRange { time_ns } => {
                 write!(formatter, "time {time_ns} ns: must be within an hour of frame start")
             }
+            Self::FrameOfPixels => {
+                write!(formatter, "edge points came in a frame of pixels: a frame is made of one or the other")
+            }
+            Self::Torn => write!(formatter, "the frame is torn; edge points are taken again after its end"),
         }
     }
 }

@@ -16,13 +16,9 @@
 //! ([`rse::Shear`]) or with two endpoints ([`rse::range_of_endpoints`]).
 //!
 //! ```
-//! use shutter_range::{
-//!     Camera, Distortion, EdgePoint, Intrinsics, Limits, Ranger, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
-//! };
-//! // What stays the same is checked once.
-//! let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
-//! let readout = Readout::from_line_time_ps(480, 65_333_333, ReadoutDirection::TopToBottom)?;
-//! let setup = Setup::new(camera, readout, Uncertainty::default(), Limits::default())?;
+//! use shutter_range::{EdgePoint, Ranger, Setup, Sigmas, Twist};
+//! // What stays the same is checked once: 640 × 480 pixels, 600 px of focal length, read in 33.3 ms.
+//! let setup = Setup::pinhole(640, 480, 600.0_f32, 33_300_000)?;
 //! // 16 lines of 12 knots, 32 edges a row: some 10 KiB.
 //! let mut ranger: Ranger<16, 12, 32> = Ranger::new();
 //!
@@ -30,13 +26,13 @@
 //! let motion = Twist::level([-2.0, 0.0, 0.0])?;
 //! for row in 0..480 {
 //!     // Your edge detector: here a post 3 m away.
-//!     let time_ns = readout.row_time_ns(row);
+//!     let time_ns = setup.readout().row_time_ns(row);
 //!     let column_px = 250.0 + 600.0 * 2.0 / 3.0 * time_ns as f64 * 1e-9;
 //!     ranger.edge_point(&setup, EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns))?;
 //! }
 //! ranger.end_frame(&setup);
 //! while let Some(range) = ranger.next_range(&setup, &motion) {
-//!     let depth = range.depth(2.0);
+//!     let depth = range.depth(Sigmas(2.0));
 //!     assert!((depth.estimate_m.unwrap().0 - 3.0).abs() < 0.01);
 //!     assert!(depth.nearest_m.unwrap() < 3.0 && depth.farthest_m.unwrap() > 3.0);
 //! }
@@ -125,10 +121,11 @@ pub mod sim;
 
 pub use edge::{EdgePoint, Polarity, ScannedPoint, Scanner};
 pub use error::{EdgeError, FitError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream};
-pub use line::{Counters, Line, OutOfOrder, Tracker};
+pub use line::{Counters, Line, OutOfOrder};
 pub use motion::{FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Twist};
 pub use range::{
-    Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Range, RangeStatus, Sample, Spread, fit,
+    Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Range, RangeStatus, Sample, Sigmas, Spread,
+    fit,
 };
 pub use ranger::Ranger;
 #[cfg(feature = "micromath")]

@@ -17,13 +17,11 @@ use crate::setup::Setup;
 ///
 /// On a small board make it a `static`, or write `const { Ranger::new() }`: it is then never built and copied on the stack.
 ///
-/// *Memory*: at most `LINES` × (120 + 40 `KNOTS`) + 24 `POINTS` + 96 bytes.
+/// *Memory*: at most `LINES` × (128 + 40 `KNOTS`) + 24 `POINTS` + 96 bytes.
 ///
 /// ```
-/// # use shutter_range::{Camera, Distortion, EdgePoint, Intrinsics, Limits, Ranger, RangeStatus, Readout, Setup, Twist, Uncertainty};
-/// # let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
-/// # let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
-/// # let setup = Setup::new(camera, readout, Uncertainty::NONE, Limits::DEFAULT)?;
+/// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
+/// # let setup = Setup::pinhole(640, 480, 600.0_f32, 33_300_000)?.with_uncertainty(Uncertainty::NONE)?;
 /// let motion = Twist::level([-1.5, 0.0, 0.0])?;
 /// let mut ranger: Ranger<16, 16, 32> = Ranger::new();
 /// for row in 0..480 {
@@ -34,7 +32,7 @@ use crate::setup::Setup;
 /// ranger.end_frame(&setup);
 /// let range = ranger.next_range(&setup, &motion).expect("one line");
 /// assert_eq!(range.status, RangeStatus::Ok);
-/// let (depth_m, sigma_m) = range.depth(2.0).estimate_m.expect("status is ok");
+/// let (depth_m, sigma_m) = range.depth(Sigmas(2.0)).estimate_m.expect("status is ok");
 /// assert!((depth_m - 2.5).abs() < 0.001 && sigma_m < 0.01);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
@@ -42,11 +40,25 @@ use crate::setup::Setup;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     tracker: Tracker<LINES, KNOTS>,
-    /// Edges of the row under way, by column.
+    /// Edge points of the row under way, by column.
     row: Vec<EdgePoint, POINTS>,
-    last: Option<LastRow>,
     scanner: Scanner,
-    torn: bool,
+    frame: Frame,
+}
+
+/// What the frame under way is made of. The tag is written out, and zero at first, as all else in an empty ranger.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+enum Frame {
+    /// Nothing has come yet.
+    Started = 0,
+    /// Edge points; the row that came last.
+    OfPoints(LastRow) = 1,
+    /// Rows of pixels; how many of them.
+    OfPixels { rows_read: u16 } = 2,
+    /// Given up: nothing is taken until it ends.
+    Torn = 3,
 }
 
 /// The row that came last, and its latest time.
@@ -55,31 +67,34 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
 struct LastRow {
     row: u16,
     time_ns: i64,
-    /// Its edges have gone to the tracker.
+    /// Its points have gone to the tracker.
     complete: bool,
 }
 
 impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, KNOTS, POINTS> {
-    /// A ranger with empty tables.
+    /// A ranger with empty tables: all zero bits, so that a `static` one takes no flash.
     #[must_use]
     pub const fn new() -> Self {
-        Self { tracker: Tracker::new(), row: Vec::new(), last: None, scanner: Scanner::new(), torn: false }
+        Self { tracker: Tracker::new(), row: Vec::new(), scanner: Scanner::new(), frame: Frame::Started }
     }
 
-    /// Takes one edge. Rows come in the order of readout, each row's edges in any order; the row is complete when an
-    /// edge of another one comes.
+    /// Takes one edge point. Rows come in the order of readout, each row's points in any order; the row is complete when
+    /// a point of another one comes.
     ///
-    /// *Errors*: see [`EdgeError`]; a refused edge changes nothing. An edge for which the row's buffer has no room is
+    /// *Errors*: see [`EdgeError`]; a refused point changes nothing. A point for which the row's buffer has no room is
     /// no error: it is counted.
     ///
-    /// *Cost*: a binary search in the row's edges, and a move of those on the right of it.
+    /// *Cost*: a binary search in the row's points, and a move of those on the right of it.
     pub fn edge_point<S: Scalar>(&mut self, setup: &Setup<S>, point: EdgePoint) -> Result<(), EdgeError> {
-        self.check(setup, &point)?;
-        if self.last.is_some_and(|last| last.row != point.row) {
+        check_values(setup, &point)?;
+        let last = self.last_row()?;
+        self.check_order(setup, last, &point)?;
+        if last.is_some_and(|last| last.row != point.row) {
             self.complete_row(setup);
         }
-        let time_ns = self.last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
-        self.last = Some(LastRow { row: point.row, time_ns, complete: false });
+        let time_ns = last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
+        self.frame = Frame::OfPoints(LastRow { row: point.row, time_ns, complete: false });
+        self.tracker.count_points(1);
         let at = self.row.partition_point(|other| other.column_q16 < point.column_q16);
         if self.row.insert(at, point).is_err() {
             self.tracker.count_dropped_point();
@@ -89,36 +104,33 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
 
     /// Takes one row of pixels, dark 0 to bright 255. Rows come in the order of readout, each once.
     ///
-    /// *Errors*: [`RowError`]; a row that is missing, repeated or too short tears the frame: the lines under way are given up
-    /// and further rows are refused until the next frame, since what looks like a sheared edge may be the tear.
+    /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are given
+    /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. A row
+    /// in a frame of edge points is refused and changes nothing.
     ///
     /// *Cost*: a sum over the row, about 200 operations per line, and about ten per pixel near anything else.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: &[u8]) -> Result<(), RowError> {
-        if self.torn {
-            return Err(RowError::Torn);
-        }
-        let expected = self.last.map_or(0, |last| setup.readout().rows_before(last.row) + 1);
-        let columns = setup.camera().intrinsics().columns;
-        let problem = if row >= setup.readout().rows() || setup.readout().rows_before(row) != expected {
-            Some(RowError::Order { row, expected: setup.readout().row_after(expected) })
-        } else if pixels.len() != usize::from(columns) {
-            Some(RowError::Length { row, pixels: pixels.len(), columns })
-        } else {
-            None
+        let rows_read = match self.frame {
+            Frame::Started => 0,
+            Frame::OfPixels { rows_read } => rows_read,
+            Frame::OfPoints(_) => return Err(RowError::FrameOfPoints { row }),
+            Frame::Torn => return Err(RowError::Torn),
         };
-        if let Some(problem) = problem {
+        if let Err(error) = check_pixels(setup, rows_read, row, pixels) {
             self.tear();
-            return Err(problem);
+            return Err(error);
         }
+        self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
-        self.last = Some(LastRow { row, time_ns: at.time_ns, complete: true });
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         self.scanner.scan(pixels, |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
+                tracker.count_points(1);
                 tracker.count_dropped_point();
             }
         });
         tracker.refine(setup.limits(), at, pixels, points);
+        tracker.count_points(points.len() as u32);
         tracker.count_clutter(points, self.scanner.is_textured());
         refine_alone(points, pixels, self.scanner.noise_q8());
         tracker.row(setup.limits(), row, points);
@@ -127,10 +139,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         Ok(())
     }
 
-    /// Gives the frame up: the lines under way are forgotten, and rows are refused until [`Ranger::end_frame`]. For drivers
-    /// that notice a lost line or an overrun themselves.
+    /// Gives the frame up: the lines under way are forgotten, and rows and points are refused until
+    /// [`Ranger::end_frame`]. For drivers that notice a lost line or an overrun themselves.
     pub fn tear(&mut self) {
-        self.torn = true;
+        self.frame = Frame::Torn;
+        // A row has fewer points than pixels, of which there are at most 32767.
+        self.tracker.count_stray(self.row.len() as u32);
         self.row.clear();
         self.tracker.abandon();
     }
@@ -138,32 +152,33 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// Whether the frame under way is torn.
     #[must_use]
     pub const fn is_torn(&self) -> bool {
-        self.torn
+        matches!(self.frame, Frame::Torn)
     }
 
-    /// Takes a row that was looked at and has no edges (more of them): lines that cross it have missed a row.
+    /// Takes a row that was looked at and has no edge points (more of them): lines that cross it have missed a row.
     ///
-    /// *Errors*: [`EdgeError::RowOrder`] for a row that was read before the last one.
+    /// *Errors*: [`EdgeError::RowOrder`] for a row that was read before the last one, and [`EdgeError::FrameOfPixels`]
+    /// and [`EdgeError::Torn`] as for a point.
     pub fn end_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16) -> Result<(), EdgeError> {
-        let time_ns = match self.last {
+        let last = self.last_row()?;
+        let time_ns = match last {
             Some(last) if last.row == row && !last.complete => last.time_ns,
-            last => {
-                check_order(setup, last, row)?;
+            _ => {
+                check_row_order(setup, last, row)?;
                 self.complete_row(setup);
                 last.map_or(i64::MIN, |last| last.time_ns)
             }
         };
-        self.last = Some(LastRow { row, time_ns, complete: false });
+        self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false });
         self.complete_row(setup);
         Ok(())
     }
 
-    /// Ends the frame: every line under way is complete. The next edge begins a new frame.
+    /// Ends the frame: every line under way is complete. What comes next begins a new frame.
     pub fn end_frame<S: Scalar>(&mut self, setup: &Setup<S>) {
         self.complete_row(setup);
         self.tracker.end_frame();
-        self.last = None;
-        self.torn = false;
+        self.frame = Frame::Started;
     }
 
     /// The next range of those that are ready, in the order of the lines' places in the table. Ask until there is none
@@ -202,45 +217,77 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         ranges
     }
 
-    /// What was dropped since the ranger was made.
+    /// What came in and what was lost since the ranger was made.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
         self.tracker.counters()
     }
 
-    fn complete_row<S: Scalar>(&mut self, setup: &Setup<S>) {
-        if let Some(last) = self.last.as_mut().filter(|last| !last.complete) {
-            last.complete = true;
-            self.tracker.row(setup.limits(), last.row, &self.row);
+    /// The last row of a frame of edge points, if one has come.
+    fn last_row(&self) -> Result<Option<LastRow>, EdgeError> {
+        match self.frame {
+            Frame::Started => Ok(None),
+            Frame::OfPoints(last) => Ok(Some(last)),
+            Frame::OfPixels { .. } => Err(EdgeError::FrameOfPixels),
+            Frame::Torn => Err(EdgeError::Torn),
         }
-        self.row.clear();
     }
 
-    fn check<S: Scalar>(&self, setup: &Setup<S>, point: &EdgePoint) -> Result<(), EdgeError> {
-        const HOUR_NS: i64 = 3_600_000_000_000;
+    fn complete_row<S: Scalar>(&mut self, setup: &Setup<S>) {
+        if let Frame::OfPoints(last @ LastRow { complete: false, .. }) = &mut self.frame {
+            last.complete = true;
+            self.tracker.row(setup.limits(), last.row, &self.row);
+            self.row.clear();
+        }
+    }
+
+    fn check_order<S: Scalar>(
+        &self,
+        setup: &Setup<S>,
+        last: Option<LastRow>,
+        point: &EdgePoint,
+    ) -> Result<(), EdgeError> {
         let EdgePoint { row, column_q16, time_ns, .. } = *point;
-        if !setup.camera().contains(column_q16, row) {
-            return Err(EdgeError::OutsideImage { row, column_q16 });
-        }
-        if !(1..=EdgePoint::MAX_SIGMA_Q16).contains(&point.sigma_q16) {
-            return Err(EdgeError::Sigma { row, sigma_q16: point.sigma_q16 });
-        }
-        if !(-HOUR_NS..=HOUR_NS).contains(&time_ns) {
-            return Err(EdgeError::TimeRange { time_ns });
-        }
-        let Some(last) = self.last else {
-            return Ok(());
-        };
-        if last.row == row && !last.complete {
+        if last.is_some_and(|last| last.row == row && !last.complete) {
             let twice = self.row.binary_search_by_key(&column_q16, |other| other.column_q16).is_ok();
             return if twice { Err(EdgeError::Duplicate { row, column_q16 }) } else { Ok(()) };
         }
-        check_order(setup, Some(last), row)?;
-        if time_ns < last.time_ns {
-            return Err(EdgeError::TimeOrder { time_ns, previous_ns: last.time_ns });
+        check_row_order(setup, last, row)?;
+        match last {
+            Some(LastRow { time_ns: previous_ns, .. }) if time_ns < previous_ns => {
+                Err(EdgeError::TimeOrder { time_ns, previous_ns })
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
+}
+
+/// Whether a point can be one of this image.
+fn check_values<S: Scalar>(setup: &Setup<S>, point: &EdgePoint) -> Result<(), EdgeError> {
+    const HOUR_NS: i64 = 3_600_000_000_000;
+    let EdgePoint { row, column_q16, time_ns, sigma_q16, .. } = *point;
+    if !setup.camera().contains(column_q16, row) {
+        return Err(EdgeError::OutsideImage { row, column_q16 });
+    }
+    if !(1..=EdgePoint::MAX_SIGMA_Q16).contains(&sigma_q16) {
+        return Err(EdgeError::Sigma { row, sigma_q16 });
+    }
+    if !(-HOUR_NS..=HOUR_NS).contains(&time_ns) {
+        return Err(EdgeError::TimeRange { time_ns });
+    }
+    Ok(())
+}
+
+/// Whether a row of pixels is the next one of the frame, and whole.
+fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: &[u8]) -> Result<(), RowError> {
+    let (readout, columns) = (setup.readout(), setup.camera().intrinsics().columns);
+    if row >= readout.rows() || readout.rows_before(row) != rows_read {
+        return Err(RowError::Order { row, expected: readout.row_after(rows_read) });
+    }
+    if pixels.len() != usize::from(columns) {
+        return Err(RowError::Length { row, pixels: pixels.len(), columns });
+    }
+    Ok(())
 }
 
 /// Locates the edges that no line explains as well as their row alone allows. Two that are so near to each other that the scanner
@@ -261,7 +308,7 @@ fn refine_alone(points: &mut [EdgePoint], pixels: &[u8], noise_q8: u32) {
 }
 
 /// A row of the image that is read after the last one.
-fn check_order<S: Scalar>(setup: &Setup<S>, last: Option<LastRow>, row: u16) -> Result<(), EdgeError> {
+fn check_row_order<S: Scalar>(setup: &Setup<S>, last: Option<LastRow>, row: u16) -> Result<(), EdgeError> {
     let readout = setup.readout();
     let follows = last.is_none_or(|last| readout.rows_before(row) > readout.rows_before(last.row));
     if row < readout.rows() && follows {

@@ -10,7 +10,7 @@ use criterion::{BenchmarkGroup, Criterion, SamplingMode, Throughput, criterion_g
 use imageproc::edges::canny;
 use imageproc::hough::{LineDetectionOptions, detect_lines};
 use imageproc::image::GrayImage;
-use shutter_range::{EdgePoint, Line, ParameterError, Range, Ranger, Scalar, ScannedPoint, Scanner, Tracker};
+use shutter_range::{EdgePoint, Line, ParameterError, Range, Ranger, Scalar, ScannedPoint, Scanner};
 use shutter_range_bench::{Draw, Rig, Shot, clutter, rod};
 
 /// Lines, knots and edges a row.
@@ -46,12 +46,15 @@ impl Frame {
     /// The longest line of the frame.
     fn line(&self) -> Result<Option<Line<16>>, ParameterError> {
         let setup = self.shot.rig.setup::<f64>()?;
-        let mut tracker: Tracker<64, 16> = Tracker::new();
+        let mut ranger = Finder::new();
         for (row, edges) in self.edges()? {
-            tracker.row(setup.limits(), row, &edges);
+            for edge in edges {
+                ranger.edge_point(&setup, edge).ok();
+            }
+            ranger.end_row(&setup, row).ok();
         }
-        tracker.end_frame();
-        Ok(std::iter::from_fn(|| tracker.next_line()).max_by_key(Line::points))
+        ranger.end_frame(&setup);
+        Ok(std::iter::from_fn(|| ranger.next_line()).max_by_key(Line::points))
     }
 }
 

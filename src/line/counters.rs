@@ -1,15 +1,25 @@
-//! [`Counters`]: what did not become part of a line.
+//! [`Counters`]: what came in, and what did not become part of a line.
 
-/// What did not become part of a line.
+/// What has become of the edge points: nothing is lost uncounted.
+///
+/// Once a frame has ended and its lines have been taken, `points` is the sum of the points of those lines,
+/// `stray_points` and `dropped_points`. All counts run from the making of the ranger and stay at their largest value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Counters {
-    /// Edges refused because the row's buffer was full.
-    pub dropped_points: u32,
-    /// Edges that would have begun a line while the table was full. A line that is refused in each of its rows counts
-    /// each time.
-    pub dropped_lines: u32,
-    /// Edges of tentative lines that were never confirmed: noise and texture.
+    /// Edge points that were taken: those handed over, or those found in rows of pixels.
+    pub points: u32,
+    /// Edge points of no line: of tentative lines that were never confirmed (noise and texture), of a torn frame, and
+    /// those that could be of either of two edges that are too near to each other.
     pub stray_points: u32,
+    /// Edge points for which there was no room: in the buffer of their row, or in the table of lines.
+    pub dropped_points: u32,
+    /// Lines that were refused because the table was full. A line that is refused in each of its rows counts each time.
+    pub dropped_lines: u32,
+}
+
+impl Counters {
+    pub(super) const ZERO: Self = Self { points: 0, stray_points: 0, dropped_points: 0, dropped_lines: 0 };
 }

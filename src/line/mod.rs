@@ -11,4 +11,4 @@ pub use counters::Counters;
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};
 pub(crate) use track::RowTime;
-pub use tracker::Tracker;
+pub(crate) use tracker::Tracker;

@@ -19,8 +19,8 @@ use crate::setup::Limits;
 /// lines together.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Tracker<const LINES: usize, const KNOTS: usize> {
-    tracks: [Option<Track<KNOTS>>; LINES],
+pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize> {
+    tracks: [Slot<KNOTS>; LINES],
     counters: Counters,
     /// Places of the lines under way and of those that wait to be taken.
     under_way: Vec<u16, LINES>,
@@ -29,11 +29,50 @@ pub struct Tracker<const LINES: usize, const KNOTS: usize> {
     occupied: usize,
 }
 
+/// A place for a line. The tag is written out, and zero where the place is free, so that an empty table is all zero bits:
+/// a `static` one then takes no flash.
+#[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+enum Slot<const KNOTS: usize> {
+    Free = 0,
+    Taken(Track<KNOTS>) = 1,
+}
+
+impl<const KNOTS: usize> Slot<KNOTS> {
+    const fn is_free(&self) -> bool {
+        matches!(self, Self::Free)
+    }
+
+    const fn track(&self) -> Option<&Track<KNOTS>> {
+        match self {
+            Self::Free => None,
+            Self::Taken(track) => Some(track),
+        }
+    }
+
+    const fn track_mut(&mut self) -> Option<&mut Track<KNOTS>> {
+        match self {
+            Self::Free => None,
+            Self::Taken(track) => Some(track),
+        }
+    }
+
+    fn take(&mut self) -> Option<Track<KNOTS>> {
+        match core::mem::replace(self, Self::Free) {
+            Self::Free => None,
+            Self::Taken(track) => Some(track),
+        }
+    }
+}
+
 /// Where a line has been found: edges of its polarity near there are its own.
 struct Explained {
     column_q16: i64,
     reach_q16: i64,
     polarity: Polarity,
+    /// The row has shown this very point on its own, too.
+    is_seen: bool,
 }
 
 /// A row with more edges that belong to no confirmed line is crowded.
@@ -62,16 +101,15 @@ impl Candidate {
 impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// An empty tracker.
     #[must_use]
-    pub const fn new() -> Self {
-        let counters = Counters { dropped_points: 0, dropped_lines: 0, stray_points: 0 };
+    pub(crate) const fn new() -> Self {
         const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
-        let tracks = [const { None }; LINES];
-        Self { tracks, counters, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
+        let tracks = [const { Slot::Free }; LINES];
+        Self { tracks, counters: Counters::ZERO, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
     }
 
     /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
     /// be left out, rows without edges should be given, since lines end by missing rows.
-    pub fn row(&mut self, limits: &Limits, row: u16, points: &[EdgePoint]) {
+    pub(crate) fn row(&mut self, limits: &Limits, row: u16, points: &[EdgePoint]) {
         self.occupied = 0;
         if !points.is_empty() {
             let mut predictions = Vec::new();
@@ -94,7 +132,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     pub(crate) fn count_clutter(&mut self, points: &[EdgePoint], is_textured: bool) {
         let is_cluttered = is_textured || points.len() > MOST_UNMATCHED_POINTS;
         for place in &self.under_way {
-            if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
+            if let Some(track) = self.tracks.get_mut(usize::from(*place)).and_then(Slot::track_mut) {
                 let beside_texture = track.model.is_some_and(|model| model.is_beside_texture());
                 if (is_cluttered || beside_texture) && !track.is_hidden() {
                     track.line.count_cluttered_row();
@@ -118,10 +156,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.predict(limits, at.row, &mut candidates);
         candidates.retain(|candidate| candidate.state == State::Confirmed);
         for (index, candidate) in candidates.iter().enumerate() {
-            let Some(Some(track)) = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting)
-            else {
-                continue;
-            };
+            let slot = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting);
+            let Some(track) = slot.and_then(Slot::track_mut) else { continue };
             let ends = |other: &&Candidate| candidate.is_ended_by(other);
             let column = |other: Option<&Candidate>| other.map(|other| other.prediction.column_q16);
             let around = Neighbours {
@@ -134,33 +170,44 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     let (column_q16, polarity) = (i64::from(point.column_q16), point.polarity);
                     // One per line at most.
                     let at = explained.partition_point(|other| other.column_q16 <= column_q16);
-                    let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity });
+                    let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity, is_seen: false });
                 }
             }
         }
+        self.count_points(explained.len() as u32);
         let mut nearby = 0;
+        let mut duplicates = 0;
         points.retain(|point| {
             let column = i64::from(point.column_q16);
             nearby += explained.iter().skip(nearby).take_while(|e| e.column_q16 + MAX_REACH_Q16 < column).count();
-            !explained
-                .iter()
-                .skip(nearby)
-                .take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column)
-                .any(|e| e.polarity == point.polarity && (e.column_q16 - column).abs() <= e.reach_q16)
+            let explains =
+                |e: &&mut Explained| e.polarity == point.polarity && (e.column_q16 - column).abs() <= e.reach_q16;
+            let within = explained.iter_mut().skip(nearby).take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column);
+            // The first is the line's own point once more; others are lost beside it.
+            match within.filter(explains).reduce(|a, b| if a.is_seen { b } else { a }) {
+                Some(explanation) => {
+                    duplicates += u32::from(explanation.is_seen);
+                    explanation.is_seen = true;
+                    false
+                }
+                None => true,
+            }
         });
+        self.count_points(duplicates);
+        self.count_stray(duplicates);
     }
 
     /// Learns what newly confirmed lines look like from the row that they were last seen in.
     pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
         for place in &self.under_way {
-            let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Option::as_ref);
+            let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Slot::track);
             let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.model.is_none();
             let Some(point) = track(place).filter(is_new).map(|track| *track.line.last()) else { continue };
             if point.row == row {
                 let others = self.under_way.iter().filter_map(track).map(|track| track.line.last());
                 let around = Neighbours::among(others.filter(|other| other.row == row), &point);
                 let model = EdgeModel::settled(pixels, &point, around, noise_q8);
-                if let Some(Some(track)) = self.tracks.get_mut(usize::from(*place)) {
+                if let Some(track) = self.tracks.get_mut(usize::from(*place)).and_then(Slot::track_mut) {
                     track.model = model;
                     track.line.mark_as_of_pixels();
                 }
@@ -168,26 +215,22 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Forgets all lines under way, counting their edges as stray: the frame is torn.
+    /// Forgets all lines under way: the frame is torn. Their points are stray.
     pub(crate) fn abandon(&mut self) {
-        for place in &self.under_way {
-            if let Some(slot) = self.tracks.get_mut(usize::from(*place)) {
-                let points = slot.take().map_or(0, |track| track.line.points());
-                self.counters.stray_points = self.counters.stray_points.saturating_add(u32::from(points));
-            }
+        while let Some(place) = self.under_way.pop() {
+            self.forget(place);
         }
-        self.under_way.clear();
     }
 
     /// Ends all confirmed lines and forgets the tentative ones.
-    pub fn end_frame(&mut self) {
+    pub(crate) fn end_frame(&mut self) {
         while let Some(place) = self.under_way.pop() {
             self.finish(place);
         }
     }
 
     /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
-    pub fn next_line(&mut self) -> Option<Line<KNOTS>> {
+    pub(crate) fn next_line(&mut self) -> Option<Line<KNOTS>> {
         let place = self.ended.pop()?;
         self.tracks.get_mut(usize::from(place))?.take().map(|track| track.line)
     }
@@ -198,15 +241,26 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     pub(crate) fn line_at(&self, place: usize) -> Option<&Line<KNOTS>> {
-        self.tracks.get(place)?.as_ref().map(|track| &track.line)
+        self.tracks.get(place)?.track().map(|track| &track.line)
     }
 
-    /// What was dropped since the tracker was made.
+    /// What came in and what was lost since the tracker was made.
     #[must_use]
-    pub const fn counters(&self) -> &Counters {
+    pub(crate) const fn counters(&self) -> &Counters {
         &self.counters
     }
 
+    /// Counts points that were taken.
+    pub(crate) fn count_points(&mut self, points: u32) {
+        self.counters.points = self.counters.points.saturating_add(points);
+    }
+
+    /// Counts points that belong to no line.
+    pub(crate) fn count_stray(&mut self, points: u32) {
+        self.counters.stray_points = self.counters.stray_points.saturating_add(points);
+    }
+
+    /// Counts a point for which there was no room.
     pub(crate) fn count_dropped_point(&mut self) {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
@@ -214,7 +268,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
     /// hidden ones would leave no place for what they wait for.
     fn has_room_to_stitch(&self) -> bool {
-        let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.as_ref());
+        let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track());
         let hidden = tracks.filter(|track| track.is_hidden()).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
     }
@@ -224,7 +278,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let room = self.has_room_to_stitch();
         for place in &self.under_way {
             let slot = usize::from(*place);
-            let track = self.tracks.get(slot).and_then(Option::as_ref);
+            let track = self.tracks.get(slot).and_then(Slot::track);
             // One per slot at most.
             if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
@@ -286,13 +340,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     fn join(&mut self, pair: &Pair, limits: &Limits) {
         if pair.coasting {
+            self.count_stray(1);
             return;
         }
-        let taken = match self.tracks.get_mut(pair.slot) {
-            Some(Some(track)) => track.take_scanned(pair.point, limits),
-            _ => false,
-        };
-        if !taken {
+        let track = self.tracks.get_mut(pair.slot).and_then(Slot::track_mut);
+        if !track.is_some_and(|track| track.take_scanned(pair.point, limits)) {
             self.begin(pair.point);
         }
     }
@@ -312,16 +364,16 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     fn stitch(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
         let slot = usize::from(place);
         let young =
-            self.tracks.get(slot)?.as_ref().filter(|young| young.is_stitchable() && young.line.last().row == row)?;
+            self.tracks.get(slot)?.track().filter(|young| young.is_stitchable() && young.line.last().row == row)?;
         let others = self.under_way.iter().filter_map(|other| {
-            let older = self.tracks.get(usize::from(*other))?.as_ref()?;
+            let older = self.tracks.get(usize::from(*other))?.track()?;
             Some((older.stitch_distance(young, limits)?, *other))
         });
         let (_, nearest) = others.min()?;
         let young = self.tracks.get_mut(slot)?.take()?;
-        let joined = self.tracks.get_mut(usize::from(nearest))?.as_mut()?.append_stitched(&young);
+        let joined = self.tracks.get_mut(usize::from(nearest))?.track_mut()?.append_stitched(&young);
         if !joined {
-            *self.tracks.get_mut(slot)? = Some(young);
+            *self.tracks.get_mut(slot)? = Slot::Taken(young);
             return None;
         }
         Some(())
@@ -329,10 +381,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Begins a tentative line, if there is room.
     fn begin(&mut self, point: EdgePoint) {
-        let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, track)| track.is_none());
+        let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, slot)| slot.is_free());
         match free {
             Some((slot, free)) => {
-                *free = Some(Track::new(point));
+                *free = Slot::Taken(Track::new(point));
                 self.occupied = slot + 1;
                 // A place for each slot.
                 let _ = self.under_way.push(slot as u16);
@@ -340,6 +392,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             None => {
                 self.occupied = LINES;
                 self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
+                self.count_dropped_point();
             }
         }
     }
@@ -347,7 +400,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     fn count_missed(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
-            let track = self.tracks.get_mut(usize::from(place)).and_then(Option::as_mut);
+            let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::track_mut);
             if track.is_some_and(|track| track.has_missed_too_many(limits, row)) {
                 self.under_way.swap_remove(index);
                 self.finish(place);
@@ -357,21 +410,19 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Ends a confirmed line and drops a tentative one.
+    /// Ends a confirmed line and forgets a tentative one.
     fn finish(&mut self, place: u16) {
-        let Some(slot) = self.tracks.get_mut(usize::from(place)) else { return };
-        if slot.as_ref().is_some_and(|track| track.state == State::Confirmed) {
+        let track = self.tracks.get(usize::from(place)).and_then(Slot::track);
+        if track.is_some_and(|track| track.state == State::Confirmed) {
             // A place for each slot.
             let _ = self.ended.push(place);
         } else {
-            let points = slot.take().map_or(0, |track| track.line.points());
-            self.counters.stray_points = self.counters.stray_points.saturating_add(u32::from(points));
+            self.forget(place);
         }
     }
-}
 
-impl<const LINES: usize, const KNOTS: usize> Default for Tracker<LINES, KNOTS> {
-    fn default() -> Self {
-        Self::new()
+    fn forget(&mut self, place: u16) {
+        let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::take);
+        self.count_stray(track.map_or(0, |track| u32::from(track.line.points())));
     }
 }

@@ -8,7 +8,7 @@ use super::shared_error::SharedError;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
 use crate::scalar::{Scalar, hypot};
-use crate::setup::{Camera, MotionBlur};
+use crate::setup::{Camera, MotionBlur, Setup};
 
 /// The blur that motion has added to an edge, as a measurement of its path during the exposure.
 ///
@@ -22,14 +22,28 @@ pub(crate) struct BlurMeasurement<S> {
     /// Variance of the edge.
     measured_px2: S,
     /// One sigma of it from noise and from the shape of the profile.
-    pub(crate) sigma_px2: S,
-    pub(crate) lens_px: S,
+    sigma_px2: S,
+    lens_px: S,
     sigma_lens_px: S,
 }
 
 impl<S: Scalar> BlurMeasurement<S> {
+    /// From the widths of a line's points; `None` where the exposure is not known or too few widths were measured.
+    pub(super) fn of_line<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+    ) -> Option<Self> {
+        let (blur, width_px) = (setup.motion_blur()?, line.mean_width_px::<S>()?);
+        // No row's width is off by more than half of it, and at most nine rows in a row err alike.
+        let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.points())).sqrt();
+        let sigma_px = line.mean_width_sigma_px::<S>().min(most_px);
+        let middle = line.samples::<S>().nth(line.samples::<S>().count() / 2)?;
+        Self::new(setup.camera(), motion, blur, &middle, (width_px, sigma_px))
+    }
+
     /// From the mean width of a line and its sigma; `middle` is somewhere in its middle.
-    pub(crate) fn new<M: Motion<S>>(
+    fn new<M: Motion<S>>(
         camera: &Camera<S>,
         motion: &M,
         blur: &MotionBlur<S>,
@@ -53,24 +67,44 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 
     /// Variance that a still edge would have.
-    pub(crate) fn lens_and_pixel_px2(&self) -> S {
+    fn lens_and_pixel_px2(&self) -> S {
         self.lens_px * self.lens_px + S::ratio(1, 12)
     }
 
     /// Path along the row during the exposure, in pixels with its sign.
-    pub(crate) fn path_px(&self, edge: &Line3<S>) -> Option<S> {
+    pub(crate) fn path_px(&self, line3: &Line3<S>) -> Option<S> {
         let [begin, end] = &self.ends;
-        Some(edge.residual_px(begin)? - edge.residual_px(end)?)
+        Some(line3.residual_px(begin)? - line3.residual_px(end)?)
     }
 
     /// One sigma of the variance, the lens's own blur included.
-    pub(crate) fn joint_sigma_px2(&self) -> S {
+    fn joint_sigma_px2(&self) -> S {
         hypot(self.sigma_px2, self.per_lens_px() * self.sigma_lens_px)
     }
 
     /// By how much the measured variance exceeds what a path explains, in square pixels.
-    pub(crate) fn excess_px2(&self, path_px: S) -> S {
+    fn excess_px2(&self, path_px: S) -> S {
         self.measured_px2 - self.lens_and_pixel_px2() - path_px * path_px * S::ratio(1, 12)
+    }
+
+    /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the slope:
+    /// by two sigma. Sharper than that means that the slope is a lean; much more blurred, beside a known lens, that a lean
+    /// hides a part of the slope.
+    pub(super) fn is_consistent(&self, path_px: S, relative_sigma: S) -> bool {
+        let two = relative_sigma * S::from_i32(2);
+        let four = self.joint_sigma_px2() * S::from_i32(4);
+        let least = self.excess_px2(path_px * (S::ONE + two));
+        let most = self.excess_px2(path_px * (S::ONE - two).max(S::ZERO));
+        let expected = self.lens_and_pixel_px2() + path_px * path_px * S::ratio(1, 12);
+        most >= -four && least <= expected * S::ratio(1, 2) + four
+    }
+
+    /// What is left of the measured variance for the lens, given the path and how well it is known.
+    pub(super) fn of_lens(&self, path_px: S, relative_sigma: S) -> Option<LensBlurMeasurement<S>> {
+        let sigma_of_path_px2 = path_px * path_px * S::ratio(1, 6) * relative_sigma.min(S::ONE);
+        let variance_px2 = self.lens_px * self.lens_px + self.excess_px2(path_px);
+        let sigma_px2 = hypot(self.sigma_px2, sigma_of_path_px2);
+        (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
     }
 
     /// Change of the variance with the lens's blur.
@@ -78,12 +112,13 @@ impl<S: Scalar> BlurMeasurement<S> {
         self.lens_px + self.lens_px
     }
 
-    pub(crate) fn equation(&self, edge: &Line3<S>) -> Option<PriorEquation<S>> {
-        let path = self.path_px(edge)?;
+    pub(crate) fn equation(&self, line3: &Line3<S>) -> Option<PriorEquation<S>> {
+        let path = self.path_px(line3)?;
         // The path grows with the inverse depth but for what rotation contributes, which does not depend on it.
         let [begin, end] = &self.ends;
-        let q =
-            path * S::ratio(1, 6) * (edge.residual_per_inverse_depth(begin)? - edge.residual_per_inverse_depth(end)?);
+        let q = path
+            * S::ratio(1, 6)
+            * (line3.residual_per_inverse_depth(begin)? - line3.residual_per_inverse_depth(end)?);
         Some(PriorEquation {
             equation: Equation {
                 one: S::ZERO,
@@ -109,16 +144,6 @@ pub struct LensBlurMeasurement<S> {
     pub variance_px2: S,
     /// One standard deviation.
     pub sigma_px2: S,
-}
-
-impl<S: Scalar> LensBlurMeasurement<S> {
-    pub(crate) fn new(blur: &BlurMeasurement<S>, path_px: S, sigma_of_path_px2: S) -> Self {
-        let lens = blur.lens_px;
-        Self {
-            variance_px2: lens * lens + blur.excess_px2(path_px),
-            sigma_px2: hypot(blur.sigma_px2, sigma_of_path_px2),
-        }
-    }
 }
 
 impl<const KNOTS: usize> Line<KNOTS> {

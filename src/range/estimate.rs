@@ -42,6 +42,11 @@ pub struct Estimate<S> {
     pub bent: bool,
 }
 
+/// A number of standard deviations: `range.depth(Sigmas(2.0))` gives bounds that hold in 95 % of cases.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Sigmas<S>(pub S);
+
 /// What a length is, and between which bounds it lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -49,30 +54,35 @@ pub struct Estimate<S> {
 pub struct Interval<S> {
     /// The most likely length and one standard deviation in metres; `None` unless the status is `Ok`.
     pub estimate_m: Option<(S, S)>,
-    /// Lower bound in metres; `None` where the inverse depth is significantly negative, so that no length fits.
+    /// Lower bound in metres; `None` where the status says that the slope is no depth.
     pub nearest_m: Option<S>,
     /// Upper bound in metres; `None` where there is none.
     pub farthest_m: Option<S>,
 }
 
+impl<S> Interval<S> {
+    /// No length at all.
+    pub(super) const NONE: Self = Self { estimate_m: None, nearest_m: None, farthest_m: None };
+}
+
 impl<S: Scalar> Estimate<S> {
     pub(crate) fn new(state: &LineState<S>, setup: &Setup<S>, goodness_of_fit: &GoodnessOfFit<S>) -> Self {
-        let LineState { edge, covariance, sensitivity } = state;
-        let across = cross([edge.bearing, S::ZERO, S::ONE], edge.gravity);
-        let total = sensitivity.total(*covariance, setup, edge.bearing);
+        let LineState { line3, covariance, sensitivity } = state;
+        let across = cross([line3.bearing, S::ZERO, S::ONE], line3.gravity);
+        let total = sensitivity.total(*covariance, setup, line3.bearing);
         let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma;
         let [correlation, _, _] = total.correlation;
         // Nothing is known of an inverse depth that the motion does not show.
         let known = sigma_inverse_depth_per_m < S::UNKNOWN;
         Self {
-            bearing: edge.bearing,
-            inverse_depth_per_m: if known { edge.inverse_depth } else { S::ZERO },
-            tilt: edge.tilt,
+            bearing: line3.bearing,
+            inverse_depth_per_m: if known { line3.inverse_depth } else { S::ZERO },
+            tilt: line3.tilt,
             sigma_bearing,
             sigma_inverse_depth_per_m,
             sigma_tilt,
             correlation,
-            budget: sensitivity.budget(covariance, setup, edge.bearing),
+            budget: sensitivity.budget(covariance, setup, line3.bearing),
             distance_per_depth: dot(across, across).sqrt(),
             misfit: goodness_of_fit.misfit,
             bent: goodness_of_fit.bent,
@@ -96,27 +106,15 @@ impl<S: Scalar> Estimate<S> {
         }
     }
 
-    /// What the numbers are worth; never [`RangeStatus::Short`] or [`RangeStatus::Sideways`].
+    /// What the numbers are worth by themselves: `Ok`, `Far`, `Slow`, `Inconsistent` or `Bent`.
     #[must_use]
     pub fn status(&self) -> RangeStatus {
-        let sigma = self.sigma_inverse_depth_per_m;
-        let three = sigma + sigma + sigma;
-        if self.bent {
-            RangeStatus::Bent
-        } else if !(sigma <= S::ratio(33, 100) && self.inverse_depth_per_m.is_finite()) {
-            RangeStatus::Slow
-        } else if self.inverse_depth_per_m > three {
-            RangeStatus::Ok
-        } else if self.inverse_depth_per_m < -three {
-            RangeStatus::Inconsistent
-        } else {
-            RangeStatus::Far
-        }
+        RangeStatus::of_numbers(self.inverse_depth_per_m, self.sigma_inverse_depth_per_m, self.bent)
     }
 
-    /// Depth Z (the paper's "vertical distance"), and its bounds at plus and minus `sigmas` of inverse depth.
+    /// Depth Z (the paper's "vertical distance"), and its bounds so many sigmas of inverse depth on either side.
     #[must_use]
-    pub fn depth(&self, sigmas: S) -> Interval<S> {
+    pub fn depth(&self, sigmas: Sigmas<S>) -> Interval<S> {
         self.interval(sigmas, S::ONE)
     }
 
@@ -124,7 +122,7 @@ impl<S: Scalar> Estimate<S> {
     ///
     /// The bounds leave the bearing's own sigma out: next to that of the depth it is nothing.
     #[must_use]
-    pub fn distance(&self, sigmas: S) -> Interval<S> {
+    pub fn distance(&self, sigmas: Sigmas<S>) -> Interval<S> {
         self.interval(sigmas, self.distance_per_depth)
     }
 
@@ -136,13 +134,22 @@ impl<S: Scalar> Estimate<S> {
         [[a * a, mixed], [mixed, rho * rho]]
     }
 
-    fn interval(&self, sigmas: S, factor: S) -> Interval<S> {
+    /// Of the inverse depth.
+    pub(super) fn relative_sigma(&self) -> S {
+        (self.sigma_inverse_depth_per_m / self.inverse_depth_per_m).abs()
+    }
+
+    fn interval(&self, Sigmas(sigmas): Sigmas<S>, factor: S) -> Interval<S> {
         let (rho, sigma) = (self.inverse_depth_per_m, self.sigma_inverse_depth_per_m);
         let length = |inverse: S| {
             let length = factor / inverse;
             (inverse > S::ZERO && length.is_finite()).then_some(length)
         };
-        let estimate = if self.status() == RangeStatus::Ok { length(rho) } else { None };
+        let status = self.status();
+        if !status.bounds_depth() {
+            return Interval::NONE;
+        }
+        let estimate = if status == RangeStatus::Ok { length(rho) } else { None };
         Interval {
             estimate_m: estimate.map(|length| (length, length * (sigma / rho))),
             nearest_m: length(rho + sigma * sigmas),

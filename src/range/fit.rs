@@ -42,10 +42,8 @@ use crate::setup::{Camera, Setup};
 /// *Source*: `m · (P0 − p(t)) = 0`; for a level camera in translation along x this is the paper's equation (3).
 ///
 /// ```
-/// use shutter_range::{Camera, Distortion, Intrinsics, Limits, Readout, Sample, Setup, Twist, Uncertainty, fit};
-/// let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f64), Distortion::NONE)?;
-/// let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
-/// let setup = Setup::new(camera, readout, Uncertainty::NONE, Limits::DEFAULT)?;
+/// use shutter_range::{Sample, Setup, Twist, Uncertainty, fit};
+/// let setup = Setup::pinhole(640, 480, 600.0_f64, 33_300_000)?.with_uncertainty(Uncertainty::NONE)?;
 /// let motion = Twist::level([-2.0, 0.0, 0.0])?; // to the left, so the edge wanders to the right
 /// let samples = [0.0, 0.01, 0.02, 0.03]
 ///     .map(|time_s| Sample::point(300.0 + 600.0 * 2.0 * time_s / 4.0, 0.0, time_s, 0.1));
@@ -67,7 +65,7 @@ pub(crate) struct Fitted<S, const N: usize> {
     pub(crate) estimate: Estimate<S>,
     pub(crate) state: LineState<S>,
     /// Which of the samples were of this edge.
-    pub(crate) kept: Vec<bool, N>,
+    pub(crate) inliers: Vec<bool, N>,
 }
 
 /// [`fit`] with what is believed beforehand.
@@ -85,8 +83,8 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     }
     // The linear problem is exact in the first round but for tilt, blur, weights and noise in q.
     let start = match &prior.state {
-        Some(state) => state.edge,
-        None => problem.round(&Line3::start(motion.gravity()), Round::First)?.edge,
+        Some(state) => state.line3,
+        None => problem.round(&Line3::start(motion.gravity()), Round::First)?.line3,
     };
     let mut solved = problem.settle_in_front(&start)?;
     for _ in 0..MAX_REJECTIONS {
@@ -94,7 +92,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
         if !problem.reject_outliers(&reweighted) {
             break;
         }
-        solved = problem.settle(&solved.edge)?;
+        solved = problem.settle(&solved.line3)?;
     }
     let goodness_of_fit = problem.goodness_of_fit(&solved);
     if goodness_of_fit.significant {
@@ -103,18 +101,18 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
             .observations
             .iter_mut()
             .for_each(|observation| observation.sigma_px = observation.sigma_px * goodness_of_fit.misfit);
-        solved = problem.settle(&solved.edge)?;
+        solved = problem.settle(&solved.line3)?;
     }
-    let Solved { edge, solution, equations } = solved;
-    let sensitivity = Sensitivity::of(&problem.observations, &edge, &equations, &solution, setup);
-    let state = LineState { edge, covariance: solution.covariance(), sensitivity };
+    let Solved { line3, solution, equations } = solved;
+    let sensitivity = Sensitivity::of(&problem.observations, &line3, &equations, &solution, setup);
+    let state = LineState { line3, covariance: solution.covariance(), sensitivity };
     let estimate = Estimate::new(&state, setup, &goodness_of_fit);
-    let mut kept = Vec::new();
+    let mut inliers = Vec::new();
     for observation in &problem.observations {
         // As many as there are sights; `collect` could panic.
-        let _ = kept.push(observation.kept);
+        let _ = inliers.push(observation.is_inlier);
     }
-    Ok(Fitted { estimate, state, kept })
+    Ok(Fitted { estimate, state, inliers })
 }
 
 fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
@@ -143,8 +141,8 @@ enum Round {
     Later,
 }
 
-fn observe<S: Scalar>(observation: &Observation<S>, edge: &Line3<S>, round: Round) -> Option<Equation<S>> {
-    let down = edge.direction();
+fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Round) -> Option<Equation<S>> {
+    let down = line3.direction();
     let m = cross(observation.direction, down);
     let dm = cross(observation.along_row, down);
     let [mx, _, _] = m;
@@ -153,13 +151,13 @@ fn observe<S: Scalar>(observation: &Observation<S>, edge: &Line3<S>, round: Roun
     if !(mx.abs() > S::ratio(1, 10)) {
         return None;
     }
-    let miss = edge.offset(m, observation) - edge.inverse_depth * observation.covariance;
-    let per_px = edge.offset(dm, observation);
+    let miss = line3.offset(m, observation) - line3.inverse_depth * observation.covariance;
+    let per_px = line3.offset(dm, observation);
     let mut q = -(dot(m, observation.position) + observation.covariance) / mx;
     if round == Round::Later && per_px != S::ZERO {
         q = q + (dot(dm, observation.position) + q * dmx) / mx * (miss / per_px);
     }
-    let w = edge.offset(cross(observation.direction, edge.lean), observation) / mx;
+    let w = line3.offset(cross(observation.direction, line3.lean), observation) / mx;
     Some(Equation {
         one: S::ONE,
         q,
@@ -183,7 +181,7 @@ struct Problem<'a, S, const N: usize> {
 }
 
 struct Solved<S, const N: usize> {
-    edge: Line3<S>,
+    line3: Line3<S>,
     solution: Solution<S>,
     equations: Equations<S, N>,
 }
@@ -197,46 +195,46 @@ impl<S: Scalar, const N: usize> Solved<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
-    fn round(&self, edge: &Line3<S>, round: Round) -> Result<Solved<S, N>, FitError> {
+    fn round(&self, line3: &Line3<S>, round: Round) -> Result<Solved<S, N>, FitError> {
         let mut equations = Equations::new();
         for (index, observation) in self.observations.iter().enumerate() {
-            let mut equation = observe(observation, edge, round).ok_or(FitError::Sideways(index))?;
-            if !observation.kept {
+            let mut equation = observe(observation, line3, round).ok_or(FitError::Sideways(index))?;
+            if !observation.is_inlier {
                 equation.root_weight = S::ZERO;
             }
             // As many rows as sights.
             let _ = equations.observed.push(equation);
         }
-        self.prior.observe(self.setup, edge, &mut equations);
+        self.prior.observe(self.setup, line3, &mut equations);
         let solution = solve(&mut equations);
-        Ok(Solved { edge: solution.apply(edge), solution, equations })
+        Ok(Solved { line3: solution.apply(line3), solution, equations })
     }
 
     /// More rounds, until one changes next to nothing: mostly two. What does not settle is no straight edge: one round tells roughly
     /// where it is.
-    fn settle(&self, edge: &Line3<S>) -> Result<Solved<S, N>, FitError> {
-        let mut solved = self.round(edge, Round::Later)?;
+    fn settle(&self, line3: &Line3<S>) -> Result<Solved<S, N>, FitError> {
+        let mut solved = self.round(line3, Round::Later)?;
         for _ in 1..MOST_ROUNDS {
             if solved.solution.step() < S::ratio(1, 50) {
                 return Ok(solved);
             }
-            solved = self.round(&solved.edge, Round::Later)?;
+            solved = self.round(&solved.line3, Round::Later)?;
         }
-        self.round(edge, Round::Later)
+        self.round(line3, Round::Later)
     }
 
     /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
     /// camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
     fn settle_in_front(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
         let solved = self.settle(start)?;
-        let edge = solved.edge;
-        if edge.tilt == S::ZERO || !(edge.inverse_depth < S::ZERO) {
+        let line3 = solved.line3;
+        if line3.tilt == S::ZERO || !(line3.inverse_depth < S::ZERO) {
             return Ok(solved);
         }
-        let mirrored = Line3 { inverse_depth: -edge.inverse_depth, ..edge };
+        let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
         let other = self.settle(&mirrored)?;
         let is_as_good = other.cost() < solved.cost() + S::from_i32(9);
-        Ok(if other.edge.inverse_depth > S::ZERO && is_as_good { other } else { solved })
+        Ok(if other.line3.inverse_depth > S::ZERO && is_as_good { other } else { solved })
     }
 
     /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
@@ -254,7 +252,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 let deviation = last.solution.deviation(equation).abs() * observation.robust_scale;
                 observation.robust_scale = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
             }
-            let Ok(next) = self.round(&last.edge, Round::Later) else {
+            let Ok(next) = self.round(&last.line3, Round::Later) else {
                 self.observations.iter_mut().for_each(|observation| observation.robust_scale = S::ONE);
                 return None;
             };
@@ -267,7 +265,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn deviations(&self, solved: &Solved<S, N>) -> Vec<S, N> {
         let mut sizes = Vec::new();
         for (equation, observation) in
-            solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.kept)
+            solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.is_inlier)
         {
             // As many as sights.
             let _ = sizes.push(solved.solution.deviation(equation).abs() * observation.robust_scale);
@@ -286,7 +284,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let leave_out = outliers > 0 && 3 * (self.observations.len() - count + outliers) <= self.observations.len();
         for (observation, equation) in self.observations.iter_mut().zip(&reweighted.equations.observed) {
             let is_outlier = reweighted.solution.deviation(equation).abs() * observation.robust_scale > limit;
-            observation.kept &= !(leave_out && is_outlier);
+            observation.is_inlier &= !(leave_out && is_outlier);
             observation.robust_scale = S::ONE;
         }
         leave_out
@@ -295,7 +293,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn goodness_of_fit(&self, solved: &Solved<S, N>) -> GoodnessOfFit<S> {
         // Knots are means over curved arcs: what they may cost is no sign of a bend.
         let floor = S::ratio(1, 256);
-        let kept = solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.kept);
+        let kept =
+            solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.is_inlier);
         GoodnessOfFit::of(kept.map(|(equation, observation)| {
             solved.solution.deviation(equation) * (observation.sigma_px / hypot(observation.sigma_px, floor))
         }))

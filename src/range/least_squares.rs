@@ -65,13 +65,13 @@ impl<S: Scalar> Solution<S> {
         equation.w - self.c * equation.q
     }
 
-    pub(crate) fn apply(&self, edge: &Line3<S>) -> Line3<S> {
+    pub(crate) fn apply(&self, line3: &Line3<S>) -> Line3<S> {
         let [bearing, inverse_depth, tilt] = self.unknowns(self.mean_y, self.rho, self.beta);
         Line3 {
-            bearing: edge.bearing + bearing,
-            inverse_depth: edge.inverse_depth + inverse_depth,
-            tilt: edge.tilt + tilt,
-            ..*edge
+            bearing: line3.bearing + bearing,
+            inverse_depth: line3.inverse_depth + inverse_depth,
+            tilt: line3.tilt + tilt,
+            ..*line3
         }
     }
 

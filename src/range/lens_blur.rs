@@ -40,7 +40,7 @@ impl<S: Scalar> LensBlur<S> {
     /// Sigma does not fall below a twentieth: a lens is not equally sharp everywhere.
     pub fn learn(&mut self, range: &Range<S>) {
         let upright = matches!(range.status, RangeStatus::Ok | RangeStatus::Far);
-        let Some(LensBlurMeasurement { variance_px2, sigma_px2 }) = range.lens.filter(|_| upright) else { return };
+        let Some(LensBlurMeasurement { variance_px2, sigma_px2 }) = range.lens_blur.filter(|_| upright) else { return };
         let off = variance_px2 - self.variance_px2;
         let joint = hypot(self.sigma_px2, sigma_px2);
         if !(joint > S::ZERO && off.abs() <= joint * S::from_i32(4)) {

@@ -10,18 +10,18 @@ use crate::scalar::{Scalar, dot, hypot};
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct LineState<S> {
-    pub(crate) edge: Line3<S>,
+    pub(crate) line3: Line3<S>,
     /// Of noise and beliefs, without what moves all samples together.
     pub(crate) covariance: Covariance<S>,
     pub(crate) sensitivity: Sensitivity<S>,
 }
 
 impl<S: Scalar> LineState<S> {
-    pub(crate) fn equations(&self, edge: &Line3<S>) -> [PriorEquation<S>; 3] {
+    pub(crate) fn equations(&self, line3: &Line3<S>) -> [PriorEquation<S>; 3] {
         let off = [
-            self.edge.bearing - edge.bearing,
-            self.edge.inverse_depth - edge.inverse_depth,
-            self.edge.tilt - edge.tilt,
+            self.line3.bearing - line3.bearing,
+            self.line3.inverse_depth - line3.inverse_depth,
+            self.line3.tilt - line3.tilt,
         ];
         self.covariance.statements().map(|(coefficients, root_weight)| {
             let [one, q, w] = coefficients;
@@ -33,7 +33,7 @@ impl<S: Scalar> LineState<S> {
     /// Whether another edge is surely at another depth.
     pub(crate) fn is_apart(&self, other: &Self) -> bool {
         let ([_, sigma, _], [_, others_sigma, _]) = (self.covariance.sigma, other.covariance.sigma);
-        let apart = (self.edge.inverse_depth - other.edge.inverse_depth).abs();
+        let apart = (self.line3.inverse_depth - other.line3.inverse_depth).abs();
         apart > hypot(sigma, others_sigma) * S::from_i32(3)
     }
 }

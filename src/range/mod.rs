@@ -22,7 +22,7 @@ mod lens_blur;
 pub use blur::LensBlurMeasurement;
 pub use budget::{Budget, ErrorSource};
 pub(crate) use covariance::Covariance;
-pub use estimate::{Estimate, Interval};
+pub use estimate::{Estimate, Interval, Sigmas};
 pub use fit::fit;
 pub use lens_blur::LensBlur;
 pub(crate) use line_state::LineState;

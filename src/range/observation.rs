@@ -24,7 +24,7 @@ pub(crate) struct Observation<S> {
     pub(crate) time_s: S,
     pub(crate) sigma_px: S,
     /// False once it has turned out to be of something else.
-    pub(crate) kept: bool,
+    pub(crate) is_inlier: bool,
     /// How many times larger than stated its noise is taken to be while strangers are sought.
     pub(crate) robust_scale: S,
 }
@@ -67,7 +67,7 @@ impl<S: Scalar> Observation<S> {
             time_s,
             // Rounding of the column itself is noise, too, where the stated one is smaller.
             sigma_px: sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON)),
-            kept: true,
+            is_inlier: true,
             robust_scale: S::ONE,
         })
     }

@@ -18,12 +18,12 @@ pub(crate) struct Prior<S> {
 
 impl<S: Scalar> Prior<S> {
     /// Adds what is believed to a round about `edge`.
-    pub(crate) fn observe<const N: usize>(&self, setup: &Setup<S>, edge: &Line3<S>, equations: &mut Equations<S, N>) {
+    pub(crate) fn observe<const N: usize>(&self, setup: &Setup<S>, line3: &Line3<S>, equations: &mut Equations<S, N>) {
         match &self.state {
-            Some(state) => state.equations(edge).into_iter().for_each(|equation| add(equations, equation)),
-            None => add(equations, upright(setup, edge)),
+            Some(state) => state.equations(line3).into_iter().for_each(|equation| add(equations, equation)),
+            None => add(equations, upright(setup, line3)),
         }
-        if let Some(equation) = self.blur.as_ref().and_then(|blur| blur.equation(edge)) {
+        if let Some(equation) = self.blur.as_ref().and_then(|blur| blur.equation(line3)) {
             add(equations, equation);
         }
     }
@@ -38,10 +38,10 @@ fn add<S: Scalar, const N: usize>(equations: &mut Equations<S, N>, equation: Pri
 }
 
 /// Upright, but for lean and the direction of gravity.
-fn upright<S: Scalar>(setup: &Setup<S>, edge: &Line3<S>) -> PriorEquation<S> {
-    let root_weight = setup.uncertainty().sigma_tilt_at(edge.bearing);
+fn upright<S: Scalar>(setup: &Setup<S>, line3: &Line3<S>) -> PriorEquation<S> {
+    let root_weight = setup.uncertainty().sigma_tilt_at(line3.bearing);
     PriorEquation {
-        equation: Equation { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -edge.tilt, root_weight },
+        equation: Equation { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -line3.tilt, root_weight },
         errors: SharedError::Tilt.alone(S::ONE),
     }
 }

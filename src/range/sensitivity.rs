@@ -20,15 +20,15 @@ impl<S: Scalar> Sensitivity<S> {
 
     pub(crate) fn of<const N: usize>(
         observations: &[Observation<S>],
-        edge: &Line3<S>,
+        line3: &Line3<S>,
         equations: &Equations<S, N>,
         solution: &Solution<S>,
         setup: &Setup<S>,
     ) -> Self {
         let mut sensitivity = Self::NONE;
         for ((index, cause), effect) in SharedError::ALL.into_iter().enumerate().zip(&mut sensitivity.0) {
-            if cause.sigma(setup, edge.bearing) > S::ZERO {
-                let observed = observations.iter().map(|observation| cause.error(observation, edge));
+            if cause.sigma(setup, line3.bearing) > S::ZERO {
+                let observed = observations.iter().map(|observation| cause.error(observation, line3));
                 let prior =
                     equations.prior.iter().map(|equation| equation.errors.get(index).copied().unwrap_or(S::ZERO));
                 *effect = solution.response(equations, observed.chain(prior));

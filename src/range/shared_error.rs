@@ -52,7 +52,7 @@ impl SharedError {
     }
 
     /// What a unit error adds to y = −F/m_x of a sight.
-    pub(super) fn error<S: Scalar>(self, observation: &Observation<S>, edge: &Line3<S>) -> S {
+    pub(super) fn error<S: Scalar>(self, observation: &Observation<S>, line3: &Line3<S>) -> S {
         let still = [S::ZERO; 3];
         let (direction, position) = match self {
             Self::Tilt | Self::Lens => return S::ZERO,
@@ -61,10 +61,10 @@ impl SharedError {
             Self::Readout => (cross(observation.turned, observation.direction), observation.advanced),
             Self::Focal => (observation.off_axis, still),
         };
-        let down = edge.direction();
+        let down = line3.direction();
         let m = cross(observation.direction, down);
         let [mx, _, _] = m;
-        let turned = edge.offset(cross(direction, down), observation);
-        (edge.inverse_depth * dot(m, position) - turned) / mx
+        let turned = line3.offset(cross(direction, down), observation);
+        (line3.inverse_depth * dot(m, position) - turned) / mx
     }
 }

@@ -1,6 +1,10 @@
-//! [`RangeStatus`]: what a range is worth.
+//! [`RangeStatus`]: what a range is worth, and the one place where that is decided.
 
-/// What a range is worth.
+use core::fmt::{self, Display, Formatter};
+
+use crate::scalar::Scalar;
+
+/// What a range is worth. One status, one cause; where several hold, the first that makes the number worthless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -12,12 +16,93 @@ pub enum RangeStatus {
     Far,
     /// The motion says too little: sigma of inverse depth above 0.33 per metre.
     Slow,
-    /// Inverse depth below minus three sigma: the edge leans or moves.
+    /// Inverse depth below minus three sigma: the slope is against the motion.
     Inconsistent,
+    /// The edge leans: its blur contradicts its slope.
+    Leaning,
+    /// Several frames show the edge where a static one cannot be.
+    Moving,
     /// No straight edge fits.
     Bent,
+    /// So many edge points around that this line may be one by chance.
+    Cluttered,
     /// Too few rows.
     Short,
     /// Upright edges run along the rows: the camera lies on its side, or looks straight up or down.
     Sideways,
+}
+
+/// Beyond so many sigmas a number differs from zero.
+const SIGNIFICANT_SIGMAS: i32 = 3;
+
+/// Largest sigma of an inverse depth that still says something, in hundredths per metre: an edge at 1 m is then told
+/// from infinity by three sigmas.
+const MOST_SIGMA_CENTI_PER_M: i32 = 33;
+
+/// What can speak against a line whose numbers look sound.
+#[derive(Clone, Copy)]
+pub(crate) enum Objection {
+    Clutter,
+    Lean,
+    Motion,
+}
+
+impl RangeStatus {
+    /// From the numbers of an estimate alone.
+    pub(super) fn of_numbers<S: Scalar>(inverse_depth_per_m: S, sigma_per_m: S, is_bent: bool) -> Self {
+        let significant = sigma_per_m * S::from_i32(SIGNIFICANT_SIGMAS);
+        if is_bent {
+            Self::Bent
+        } else if !(sigma_per_m <= S::ratio(MOST_SIGMA_CENTI_PER_M, 100) && inverse_depth_per_m.is_finite()) {
+            Self::Slow
+        } else if inverse_depth_per_m > significant {
+            Self::Ok
+        } else if inverse_depth_per_m < -significant {
+            Self::Inconsistent
+        } else {
+            Self::Far
+        }
+    }
+
+    /// The same with what else speaks against the line. Where the numbers refuse it already, that is told.
+    #[must_use]
+    pub(crate) fn unless(self, objection: Objection, holds: bool) -> Self {
+        if self != Self::Ok || !holds {
+            return self;
+        }
+        match objection {
+            Objection::Clutter => Self::Cluttered,
+            Objection::Lean => Self::Leaning,
+            Objection::Motion => Self::Moving,
+        }
+    }
+
+    /// Whether the slope is that of a depth, as far as this line tells, so that bounds of a depth follow from it.
+    #[must_use]
+    pub const fn bounds_depth(self) -> bool {
+        matches!(self, Self::Ok | Self::Far | Self::Slow | Self::Short)
+    }
+
+    /// The name of the status in lower case, as the command line has it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Far => "far",
+            Self::Slow => "slow",
+            Self::Inconsistent => "inconsistent",
+            Self::Leaning => "leaning",
+            Self::Moving => "moving",
+            Self::Bent => "bent",
+            Self::Cluttered => "cluttered",
+            Self::Short => "short",
+            Self::Sideways => "sideways",
+        }
+    }
+}
+
+impl Display for RangeStatus {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
+    }
 }

@@ -81,7 +81,7 @@ impl<S: Scalar> Landmark<S> {
             return None;
         }
         let state = &self.state;
-        let total = state.sensitivity.total(state.covariance, setup, state.edge.bearing);
+        let total = state.sensitivity.total(state.covariance, setup, state.line3.bearing);
         let distance_of = |observation: &Observation<S>| {
             let (miss, sigma) = self.miss(&total, observation)?;
             let gate = S::from_i32(GATE_PX) + sigma * S::from_i32(4);
@@ -108,7 +108,7 @@ impl<S: Scalar> Landmark<S> {
         let mut has_moved = self.claim.is_some_and(|claim| claim.has_moved);
         let (mut range, mut state) =
             if has_moved { alone() } else { Range::continued(setup, motion, line, Some(self.state)) };
-        if range.status == RangeStatus::Bent && !has_moved {
+        if matches!(range.status, RangeStatus::Bent | RangeStatus::Cluttered) && !has_moved {
             let (of_alone, state_alone) = alone();
             if is_informative(of_alone.status) {
                 (has_moved, range, state) = (true, of_alone, state_alone);
@@ -126,28 +126,26 @@ impl<S: Scalar> Landmark<S> {
         range
     }
 
-    /// A range of this edge under its name; no distance while the edge passes for one that moves.
+    /// A range of this edge under its name; no distance until it passes for static again.
     pub(crate) fn name(&self, range: Range<S>) -> Range<S> {
-        let moves = self.hold_off > 0 && range.status == RangeStatus::Ok;
-        let status = if moves { RangeStatus::Inconsistent } else { range.status };
-        Range { line_id: Some(self.id), frames: self.frames, status, ..range }
+        range.named(self.id, self.frames, self.hold_off > 0)
     }
 
     /// Whether a line lies so near to where this edge should be that the two draw each other aside.
     pub(crate) fn is_beside(&self, observation: &LineObservation<S>) -> bool {
         let near = S::from_i32(BESIDE_PX);
         let mut observations = observation.ends.iter().chain([&observation.middle]);
-        observations.any(|observation| self.state.edge.residual_px(observation).is_some_and(|miss| miss.abs() < near))
+        observations.any(|observation| self.state.line3.residual_px(observation).is_some_and(|miss| miss.abs() < near))
     }
 
     /// How far along the row a sight lies from the prediction, and one sigma of that, in pixels.
     fn miss(&self, total: &Covariance<S>, observation: &Observation<S>) -> Option<(S, S)> {
-        let edge = &self.state.edge;
-        let miss = edge.residual_px(observation)?;
-        let m = cross(observation.direction, edge.direction());
-        let per_px = edge.offset(cross(observation.along_row, edge.direction()), observation);
+        let line3 = &self.state.line3;
+        let miss = line3.residual_px(observation)?;
+        let m = cross(observation.direction, line3.direction());
+        let per_px = line3.offset(cross(observation.along_row, line3.direction()), observation);
         let [mx, _, _] = m;
-        let across = edge.offset(cross(observation.direction, edge.lean), observation);
+        let across = line3.offset(cross(observation.direction, line3.lean), observation);
         let sensitivity = [mx, -dot(m, observation.position), across].map(|part| part / per_px);
         let none = [S::ZERO; 3];
         let [sigma, _, _] = total.through([sensitivity, none, none]).sigma;

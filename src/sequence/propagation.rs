@@ -10,13 +10,14 @@ impl<S: Scalar> LineState<S> {
     ///
     /// `None` where the edge is then beside or behind the camera.
     pub(crate) fn propagated(&self, setup: &Setup<S>, transition: &FrameTransition<S>) -> Option<Self> {
-        let view = View::of(&self.edge, transition)?;
-        let jacobian = view.jacobian(&self.edge, transition);
+        let view = View::of(&self.line3, transition)?;
+        let jacobian = view.jacobian(&self.line3, transition);
         let uncertainty = setup.uncertainty();
         // What of the edge's lean towards or away from the camera a turn brings into the image plane, and what of that and of
         // the camera's pitch shows there as the bearing changes.
-        let turned = view.turned_lean(&self.edge, transition) * uncertainty.sigma_tilt;
-        let passed = (view.edge.bearing - self.edge.bearing) * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
+        let turned = view.turned_lean(&self.line3, transition) * uncertainty.sigma_tilt;
+        let passed =
+            (view.line3.bearing - self.line3.bearing) * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
         // Of an error that drifts, a part of what it has done so far is as good as random now.
         let (kept, lost) = transition.drift();
@@ -24,13 +25,13 @@ impl<S: Scalar> LineState<S> {
         for (cause, effect) in SharedError::ALL.into_iter().zip(&mut sensitivity.0) {
             let mut propagated = times(jacobian, *effect);
             if matches!(cause, SharedError::Speed | SharedError::Rate(_)) {
-                let sigma = cause.sigma(setup, self.edge.bearing);
+                let sigma = cause.sigma(setup, self.line3.bearing);
                 covariance = covariance.and(scale(propagated, sigma * lost));
                 propagated = scale(propagated, kept);
             }
-            *effect = add(propagated, view.change_of(cause, &self.edge, transition));
+            *effect = add(propagated, view.change_of(cause, &self.line3, transition));
         }
-        Some(Self { edge: view.edge, covariance, sensitivity })
+        Some(Self { line3: view.line3, covariance, sensitivity })
     }
 }
 
@@ -61,7 +62,7 @@ impl<S: Scalar> FrameTransition<S> {
 
 /// An edge as the later frame has it.
 struct View<S> {
-    edge: Line3<S>,
+    line3: Line3<S>,
     /// ρ P for the edge's point in the plane y = 0 of the earlier frame.
     foot: [S; 3],
     down: [S; 3],
@@ -74,10 +75,10 @@ struct View<S> {
 }
 
 impl<S: Scalar> View<S> {
-    fn of(edge: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
-        let from = [edge.bearing, S::ZERO, S::ONE];
-        let foot = transition.turn(sub(from, scale(transition.pose.position_m, edge.inverse_depth)));
-        let down = transition.turn(edge.direction());
+    fn of(line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
+        let from = [line3.bearing, S::ZERO, S::ONE];
+        let foot = transition.turn(sub(from, scale(transition.pose.position_m, line3.inverse_depth)));
+        let down = transition.turn(line3.direction());
         let ([_, y, _], [_, dy, _]) = (foot, down);
         let tenth = S::ratio(1, 10);
         let along = y / dy;
@@ -87,13 +88,13 @@ impl<S: Scalar> View<S> {
         if !(dy.abs() > tenth && depth > tenth * tenth && length > tenth) {
             return None;
         }
-        let edge = Line3 {
+        let line3 = Line3 {
             bearing: x / depth,
-            inverse_depth: edge.inverse_depth / depth,
+            inverse_depth: line3.inverse_depth / depth,
             tilt: dot(down, start.lean) / length,
             ..start
         };
-        Some(Self { edge, foot, down, along, depth, length })
+        Some(Self { line3, foot, down, along, depth, length })
     }
 
     /// What small changes of `foot`, `down` and the old inverse depth do to the new bearing, inverse depth and tilt.
@@ -102,9 +103,9 @@ impl<S: Scalar> View<S> {
         let along = (y - self.along * down_y) / dy;
         let [x, _, z] = sub(foot, add(scale(self.down, along), scale(down, self.along)));
         [
-            (x - self.edge.bearing * z) / self.depth,
-            (inverse_depth - self.edge.inverse_depth * z) / self.depth,
-            (dot(down, self.edge.lean) - self.edge.tilt * dot(down, self.edge.gravity)) / self.length,
+            (x - self.line3.bearing * z) / self.depth,
+            (inverse_depth - self.line3.inverse_depth * z) / self.depth,
+            (dot(down, self.line3.lean) - self.line3.tilt * dot(down, self.line3.gravity)) / self.length,
         ]
     }
 
@@ -134,7 +135,7 @@ impl<S: Scalar> View<S> {
     }
 
     fn turned_lean(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> S {
-        dot(transition.turn(old.lean), cross(self.edge.gravity, self.edge.lean))
+        dot(transition.turn(old.lean), cross(self.line3.gravity, self.line3.lean))
     }
 }
 

@@ -33,13 +33,9 @@ use crate::setup::Setup;
 /// *Memory*: 208 bytes for each landmark in `f32`, and 16.
 ///
 /// ```
-/// use shutter_range::{
-///     Camera, Distortion, EdgePoint, Intrinsics, Limits, Motion, Ranger, Readout, Sequence, Setup, Twist, Uncertainty,
-/// };
-/// # let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f64), Distortion::NONE)?;
-/// # let readout = Readout::from_frame_readout_ns(480, 33_300_000, Default::default())?;
-/// let half_a_degree = Uncertainty { sigma_tilt: 0.0087, ..Uncertainty::NONE };
-/// let setup = Setup::new(camera, readout, half_a_degree, Limits::DEFAULT)?;
+/// use shutter_range::{EdgePoint, Motion, Ranger, Sequence, Setup, Sigmas, Twist, Uncertainty};
+/// let half_a_degree = Uncertainty::NONE.with_sigma_tilt(0.0087);
+/// let setup = Setup::pinhole(640, 480, 600.0_f64, 33_300_000)?.with_uncertainty(half_a_degree)?;
 /// let motion = Twist::level([-1.5, 0.0, 0.0])?;
 /// let interval_s = 0.04;
 /// let mut ranger: Ranger<16, 12, 32> = Ranger::new();
@@ -55,7 +51,7 @@ use crate::setup::Setup;
 ///     }
 ///     ranger.end_frame(&setup);
 ///     sequence.frame(&setup, &motion, &mut ranger, |range| {
-///         sigma_m.push(range.depth(2.0).estimate_m.expect("status is ok").1);
+///         sigma_m.push(range.depth(Sigmas(2.0)).estimate_m.expect("status is ok").1);
 ///     });
 ///     sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity())?;
 /// }

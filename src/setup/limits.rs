@@ -6,6 +6,7 @@ use crate::error::ParameterError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Limits {
     /// Steepest slope that a line may begin with, in 1/65536 px of column per row.
     pub max_slope_q16: u32,
@@ -33,6 +34,48 @@ impl Limits {
         gap_rows: 12,
         min_points: 8,
     };
+
+    /// The same with another [`max_slope_q16`](Self::max_slope_q16).
+    #[must_use]
+    pub const fn with_max_slope_q16(mut self, max_slope_q16: u32) -> Self {
+        self.max_slope_q16 = max_slope_q16;
+        self
+    }
+
+    /// The same with another [`gate_q16`](Self::gate_q16).
+    #[must_use]
+    pub const fn with_gate_q16(mut self, gate_q16: u32) -> Self {
+        self.gate_q16 = gate_q16;
+        self
+    }
+
+    /// The same with another [`confirm_points`](Self::confirm_points).
+    #[must_use]
+    pub const fn with_confirm_points(mut self, confirm_points: u16) -> Self {
+        self.confirm_points = confirm_points;
+        self
+    }
+
+    /// The same with another [`tentative_gap_rows`](Self::tentative_gap_rows).
+    #[must_use]
+    pub const fn with_tentative_gap_rows(mut self, tentative_gap_rows: u16) -> Self {
+        self.tentative_gap_rows = tentative_gap_rows;
+        self
+    }
+
+    /// The same with another [`gap_rows`](Self::gap_rows).
+    #[must_use]
+    pub const fn with_gap_rows(mut self, gap_rows: u16) -> Self {
+        self.gap_rows = gap_rows;
+        self
+    }
+
+    /// The same with another [`min_points`](Self::min_points).
+    #[must_use]
+    pub const fn with_min_points(mut self, min_points: u16) -> Self {
+        self.min_points = min_points;
+        self
+    }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         let wide = |name, value: u32| {

@@ -9,6 +9,7 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct MotionBlur<S> {
     /// Exposure of a row in seconds.
     pub exposure_s: S,
@@ -29,6 +30,20 @@ impl<S: Scalar> MotionBlur<S> {
     #[must_use]
     pub fn from_calibrated_lens(exposure_s: S, lens_blur_px: S) -> Self {
         Self { exposure_s, lens_blur_px, sigma_lens_blur_px: lens_blur_px * S::ratio(1, 20) }
+    }
+
+    /// The same with another [`lens_blur_px`](Self::lens_blur_px).
+    #[must_use]
+    pub const fn with_lens_blur_px(mut self, lens_blur_px: S) -> Self {
+        self.lens_blur_px = lens_blur_px;
+        self
+    }
+
+    /// The same with another [`sigma_lens_blur_px`](Self::sigma_lens_blur_px).
+    #[must_use]
+    pub const fn with_sigma_lens_blur_px(mut self, sigma_lens_blur_px: S) -> Self {
+        self.sigma_lens_blur_px = sigma_lens_blur_px;
+        self
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {

@@ -1,23 +1,35 @@
 //! [`Setup`]: everything that stays the same from frame to frame, checked once.
 
-use super::camera::Camera;
+use super::camera::{Camera, Intrinsics};
+use super::distortion::Distortion;
 use super::limits::Limits;
 use super::motion_blur::MotionBlur;
-use super::readout::Readout;
+use super::readout::{Readout, ReadoutDirection};
 use super::uncertainty::Uncertainty;
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
 
 /// Camera, readout, uncertainty and limits that fit together.
 ///
-/// The motion is not part of it: it is measured anew for every frame, and has its own check ([`Twist::new`](crate::Twist::new)).
+/// The motion is not part of it: it is measured anew for every frame and has its own check ([`Twist::new`](crate::Twist::new)).
 ///
 /// ```
-/// use shutter_range::{Camera, Distortion, Intrinsics, Limits, Readout, ReadoutDirection, Setup, Uncertainty};
-/// let camera = Camera::new(Intrinsics::centred(640, 480, 600.0_f32), Distortion::NONE)?;
-/// let readout = Readout::from_frame_readout_ns(480, 33_300_000, ReadoutDirection::TopToBottom)?;
-/// let setup = Setup::new(camera, readout, Uncertainty::default(), Limits::default())?;
-/// assert_eq!(setup.readout().rows(), 480);
+/// use shutter_range::{Setup, Uncertainty};
+/// // 640 × 480 pixels, a focal length of 600 px, read from the top in 33.3 ms.
+/// let setup = Setup::pinhole(640, 480, 600.0_f32, 33_300_000)?;
+/// let setup = setup.with_uncertainty(Uncertainty::default().with_sigma_speed(0.02))?;
+/// assert_eq!(setup.readout().row_time_ns(479), 33_230_625);
+/// # Ok::<(), shutter_range::ParameterError>(())
+/// ```
+///
+/// A lens with distortion, a principal point beside the middle, or rows that are read from the bottom:
+///
+/// ```
+/// use shutter_range::{Camera, Distortion, Intrinsics, Readout, ReadoutDirection, Setup};
+/// let intrinsics = Intrinsics { cx: 310.0, ..Intrinsics::centred(640, 480, 600.0_f32) };
+/// let camera = Camera::new(intrinsics, Distortion::from_opencv([-0.05, 0.01, 0.0, 0.0, 0.0]))?;
+/// let readout = Readout::from_line_time_ps(480, 65_333_333, ReadoutDirection::BottomToTop)?;
+/// let setup = Setup::new(camera, readout)?;
 /// # Ok::<(), shutter_range::ParameterError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,23 +46,34 @@ pub struct Setup<S> {
 }
 
 impl<S: Scalar> Setup<S> {
-    /// Checks that the parts are sound and belong together.
+    /// A camera and its readout, with the default [`Uncertainty`] and [`Limits`] and an unknown exposure.
     ///
-    /// *Errors*: camera and readout with different numbers of rows; a sigma that is negative, not finite or above 1;
-    /// limits out of range.
-    pub fn new(
-        camera: Camera<S>,
-        readout: Readout,
-        uncertainty: Uncertainty<S>,
-        limits: Limits,
-    ) -> Result<Self, ParameterError> {
+    /// *Errors*: camera and readout with different numbers of rows.
+    pub fn new(camera: Camera<S>, readout: Readout) -> Result<Self, ParameterError> {
         if readout.rows() != camera.intrinsics().rows {
             let expected = "the number of rows of the camera's image";
             return Err(ParameterError::new("rows of the readout", f64::from(readout.rows()), expected));
         }
+        Ok(Self { camera, readout, uncertainty: Uncertainty::default(), limits: Limits::DEFAULT, motion_blur: None })
+    }
+
+    /// The usual camera: square pixels, the principal point in the middle, no distortion, row 0 read first.
+    ///
+    /// `focal_px` is the focal length in pixels, `frame_readout_ns` the time from the start of the first row to that of
+    /// the row after the last one: rows × line time.
+    ///
+    /// *Errors*: as [`Camera::new`] and [`Readout::from_frame_readout_ns`].
+    pub fn pinhole(columns: u16, rows: u16, focal_px: S, frame_readout_ns: u64) -> Result<Self, ParameterError> {
+        let camera = Camera::new(Intrinsics::centred(columns, rows, focal_px), Distortion::NONE)?;
+        Self::new(camera, Readout::from_frame_readout_ns(rows, frame_readout_ns, ReadoutDirection::TopToBottom)?)
+    }
+
+    /// The same with what is known how well.
+    ///
+    /// *Errors*: a sigma that is negative, not finite or above 1.
+    pub fn with_uncertainty(self, uncertainty: Uncertainty<S>) -> Result<Self, ParameterError> {
         uncertainty.check()?;
-        limits.check()?;
-        Ok(Self { camera, readout, uncertainty, limits, motion_blur: None })
+        Ok(Self { uncertainty, ..self })
     }
 
     /// The same with a known exposure: edges whose blur contradicts their slope are then
@@ -117,7 +140,7 @@ impl<S: Scalar> TryFrom<RawSetup<S>> for Setup<S> {
     type Error = ParameterError;
 
     fn try_from(raw: RawSetup<S>) -> Result<Self, ParameterError> {
-        let setup = Self::new(raw.camera, raw.readout, raw.uncertainty, raw.limits)?;
+        let setup = Self::new(raw.camera, raw.readout)?.with_uncertainty(raw.uncertainty)?.with_limits(raw.limits)?;
         raw.motion_blur.map_or(Ok(setup), |blur| setup.with_motion_blur(blur))
     }
 }

@@ -7,6 +7,7 @@ use crate::scalar::{Scalar, hypot};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Uncertainty<S> {
     /// Lean of each edge in the image plane, as a slope (radians). In one frame nothing but this prior tells a leaning
     /// edge from a near one; 0.1° is what the paper's field test shows. Zero: every edge is taken to be upright.
@@ -33,6 +34,48 @@ impl<S: Scalar> Uncertainty<S> {
         sigma_readout: S::ZERO,
         sigma_focal: S::ZERO,
     };
+
+    /// The same with another [`sigma_tilt`](Self::sigma_tilt).
+    #[must_use]
+    pub const fn with_sigma_tilt(mut self, sigma_tilt: S) -> Self {
+        self.sigma_tilt = sigma_tilt;
+        self
+    }
+
+    /// The same with another [`sigma_gravity`](Self::sigma_gravity).
+    #[must_use]
+    pub const fn with_sigma_gravity(mut self, sigma_gravity: S) -> Self {
+        self.sigma_gravity = sigma_gravity;
+        self
+    }
+
+    /// The same with another [`sigma_speed`](Self::sigma_speed).
+    #[must_use]
+    pub const fn with_sigma_speed(mut self, sigma_speed: S) -> Self {
+        self.sigma_speed = sigma_speed;
+        self
+    }
+
+    /// The same with another [`sigma_rate_rad_s`](Self::sigma_rate_rad_s).
+    #[must_use]
+    pub const fn with_sigma_rate_rad_s(mut self, sigma_rate_rad_s: S) -> Self {
+        self.sigma_rate_rad_s = sigma_rate_rad_s;
+        self
+    }
+
+    /// The same with another [`sigma_readout`](Self::sigma_readout).
+    #[must_use]
+    pub const fn with_sigma_readout(mut self, sigma_readout: S) -> Self {
+        self.sigma_readout = sigma_readout;
+        self
+    }
+
+    /// The same with another [`sigma_focal`](Self::sigma_focal).
+    #[must_use]
+    pub const fn with_sigma_focal(mut self, sigma_focal: S) -> Self {
+        self.sigma_focal = sigma_focal;
+        self
+    }
 
     /// Of the tilt of an edge at a bearing: its own lean, the camera's roll, and its pitch, which enters with the bearing.
     pub(crate) fn sigma_tilt_at(&self, bearing: S) -> S {

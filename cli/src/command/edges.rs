@@ -13,7 +13,7 @@ use crate::input::setup::SetupFile;
 use crate::output::report::{Document, Frame};
 use crate::ranging::course::{CameraMotion, Course};
 use crate::ranging::sequel::Sequel;
-use crate::ranging::tracking::{self, KNOTS, backwards};
+use crate::ranging::tracking::{self, KNOTS, Tracked, backwards};
 
 pub(crate) fn ranges(path: &Path, setup: &SetupFile, course: &CourseArgs) -> Result<Document> {
     let name = path.display().to_string();
@@ -76,12 +76,13 @@ fn frame(name: String, rows: Vec<EdgeRow>, sequel: &mut Sequel, motion: &CameraM
             None => unassigned.push(row),
         }
     }
-    let tracked = tracking::track(unassigned, sequel.setup())?;
-    let mut lines = tracked.lines;
+    let Tracked { mut lines, mut counters } = tracking::track(unassigned, sequel.setup())?;
     for (number, rows) in named {
-        lines.push(line_of(number, rows, sequel.setup())?);
+        let line = line_of(number, rows, sequel.setup())?;
+        counters.points += u32::from(line.points());
+        lines.push(line);
     }
-    Ok(Frame::new(name, &mut sequel.ranges(motion, &lines)?, tracked.counters))
+    Ok(Frame::new(name, &mut sequel.ranges(motion, &lines)?, counters))
 }
 
 fn line_of(number: i64, mut rows: Vec<EdgeRow>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {

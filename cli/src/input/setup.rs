@@ -4,8 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, Error, Result, anyhow};
 use shutter_range::{
-    Camera, Distortion, Intrinsics, Limits, MotionBlur, ParameterError, Readout, ReadoutDirection, Setup, Twist,
-    Uncertainty,
+    Camera, Distortion, Intrinsics, MotionBlur, ParameterError, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
 };
 use toml::Table;
 
@@ -72,7 +71,7 @@ fn parse(text: &str, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile
     let attitude = Section::of(&file, "attitude");
     let optics = optics(&camera)?;
     let setup =
-        Setup::new(lens(&camera)?, readout(&camera)?, uncertainty(&camera, &motion, &attitude)?, Limits::DEFAULT);
+        Setup::new(lens(&camera)?, readout(&camera)?)?.with_uncertainty(uncertainty(&camera, &motion, &attitude)?);
     Ok(SetupFile {
         setup: with_optics(setup.map_err(dotted)?, &optics)?,
         motion: twist(&motion, &attitude, default_velocity_m_s)?,
@@ -175,14 +174,18 @@ fn readout(section: &Section<'_>) -> Result<Readout> {
 
 fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_>) -> Result<Uncertainty<f64>> {
     let rate = Bounds::number(0.0, 1.0, "rad/s, one standard deviation");
-    Ok(Uncertainty {
-        sigma_tilt: attitude.number("sigma_tilt_deg", DEGREES)?.unwrap_or(0.1).to_radians(),
-        sigma_gravity: attitude.number("sigma_gravity_deg", DEGREES)?.unwrap_or(0.0).to_radians(),
-        sigma_speed: motion.number("sigma_speed", RELATIVE)?.unwrap_or(0.0),
-        sigma_rate_rad_s: motion.number("sigma_rate_rad_s", rate)?.unwrap_or(0.0),
-        sigma_readout: camera.number("sigma_readout", RELATIVE)?.unwrap_or(0.0),
-        sigma_focal: camera.number("sigma_focal", RELATIVE)?.unwrap_or(0.0),
-    })
+    let degrees = |section: &Section<'_>, key, default: f64| -> Result<f64> {
+        Ok(section.number(key, DEGREES)?.unwrap_or(default).to_radians())
+    };
+    let or_exact =
+        |section: &Section<'_>, key, bounds| -> Result<f64> { Ok(section.number(key, bounds)?.unwrap_or(0.0)) };
+    Ok(Uncertainty::NONE
+        .with_sigma_tilt(degrees(attitude, "sigma_tilt_deg", 0.1)?)
+        .with_sigma_gravity(degrees(attitude, "sigma_gravity_deg", 0.0)?)
+        .with_sigma_speed(or_exact(motion, "sigma_speed", RELATIVE)?)
+        .with_sigma_rate_rad_s(or_exact(motion, "sigma_rate_rad_s", rate)?)
+        .with_sigma_readout(or_exact(camera, "sigma_readout", RELATIVE)?)
+        .with_sigma_focal(or_exact(camera, "sigma_focal", RELATIVE)?))
 }
 
 fn twist(motion: &Section<'_>, attitude: &Section<'_>, default_velocity_m_s: Option<[f64; 3]>) -> Result<Twist<f64>> {

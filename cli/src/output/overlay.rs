@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use image::{Rgb, RgbImage};
+use shutter_range::RangeStatus;
 
 use super::canvas::{Canvas, Frame};
-use super::report::{RangeReport, Status};
+use super::report::RangeReport;
 use super::rounding::{at_least, with_sigma};
 
 /// Where the overlays of frames go: for one frame to `out`, for several to `out` with the stem of the frame's name.
@@ -73,24 +74,24 @@ fn ends(range: &RangeReport) -> ((f64, u16), (f64, u16)) {
     ((range.column_at_first_row, range.first_row), (range.column_at_last_row, range.last_row))
 }
 
-fn is_thin(status: Status) -> bool {
-    !matches!(status, Status::Ok | Status::Far)
+fn is_thin(status: RangeStatus) -> bool {
+    !matches!(status, RangeStatus::Ok | RangeStatus::Far)
 }
 
 /// Light enough to be read on the dark box.
-fn colour(status: Status) -> Rgb<u8> {
+fn colour(status: RangeStatus) -> Rgb<u8> {
     match status {
-        Status::Ok => Rgb([64, 255, 64]),
-        Status::Far => Rgb([96, 176, 255]),
-        Status::Inconsistent | Status::Bent => Rgb([255, 144, 0]),
-        Status::Slow | Status::Short => Rgb([160, 160, 160]),
+        RangeStatus::Ok => Rgb([64, 255, 64]),
+        RangeStatus::Far => Rgb([96, 176, 255]),
+        RangeStatus::Slow | RangeStatus::Short => Rgb([160, 160, 160]),
+        _ => Rgb([255, 144, 0]),
     }
 }
 
 fn label(range: &RangeReport) -> Option<String> {
     match range.status {
-        Status::Ok => Some(with_sigma(range.depth_m?, range.sigma_depth_m?, 1) + " m"),
-        Status::Far => Some(format!(">{} m", at_least(range.nearest_m?, 2))),
+        RangeStatus::Ok => Some(with_sigma(range.depth_m?, range.sigma_depth_m?, 1) + " m"),
+        RangeStatus::Far => Some(format!(">{} m", at_least(range.nearest_m?, 2))),
         _ => None,
     }
 }

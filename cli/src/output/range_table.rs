@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use super::report::{Document, Frame, RangeReport, Status};
+use shutter_range::RangeStatus;
+
+use super::report::{Document, Frame, RangeReport};
 use super::rounding::{decimals, with_sigma};
 use super::text_table::{Colour, TextTable};
 
@@ -14,7 +16,7 @@ const HEADINGS: [&str; 10] = [
     "sigma from",
     "line",
     "rows",
-    "edges",
+    "points",
     "polarity",
     "status",
 ];
@@ -42,11 +44,11 @@ fn write_frame(frame: &Frame, colours: bool, text: &mut String) {
         table.write_to(text);
     }
     if frame.stray_edges > 0 {
-        let _ = writeln!(text, "{} stray edges: they belong to no line", frame.stray_edges);
+        let _ = writeln!(text, "{} stray edge points: they belong to no line", frame.stray_edges);
     }
     if frame.dropped_edges > 0 || frame.dropped_lines > 0 {
         let (edges, lines) = (frame.dropped_edges, frame.dropped_lines);
-        let _ = writeln!(text, "dropped for want of room: {edges} edges, {lines} lines");
+        let _ = writeln!(text, "dropped for want of room: {edges} edge points, {lines} lines");
     }
 }
 
@@ -66,12 +68,12 @@ fn cells(range: &RangeReport) -> [String; 10] {
     ]
 }
 
-fn colour(status: Status) -> Colour {
+fn colour(status: RangeStatus) -> Colour {
     match status {
-        Status::Ok => Colour::Green,
-        Status::Far | Status::Slow => Colour::Yellow,
-        Status::Inconsistent | Status::Bent => Colour::Red,
-        Status::Short => Colour::Grey,
+        RangeStatus::Ok => Colour::Green,
+        RangeStatus::Far | RangeStatus::Slow => Colour::Yellow,
+        RangeStatus::Short => Colour::Grey,
+        _ => Colour::Red,
     }
 }
 

@@ -1,7 +1,7 @@
 //! What is told of frames and their ranges. The names and their order are an interface: scripts read them as JSON.
 
-use serde::Serialize;
-use shutter_range::{Counters, ErrorSource, Polarity, Range, RangeStatus};
+use serde::{Serialize, Serializer};
+use shutter_range::{Counters, ErrorSource, Polarity, Range, RangeStatus, Sigmas};
 
 #[derive(Serialize)]
 pub(crate) struct Document {
@@ -13,11 +13,12 @@ pub(crate) struct Frame {
     pub(crate) name: String,
     pub(crate) torn: bool,
     pub(crate) ranges: Vec<RangeReport>,
+    /// Edge points that came in: those of the ranges, and the stray and the dropped ones.
+    pub(crate) edges: u32,
+    /// Edge points that became part of no line.
+    pub(crate) stray_edges: u32,
     pub(crate) dropped_edges: u32,
     pub(crate) dropped_lines: u32,
-    /// Edges that became part of no line.
-    #[serde(skip)]
-    pub(crate) stray_edges: u32,
 }
 
 #[derive(Serialize)]
@@ -33,12 +34,11 @@ pub(crate) struct RangeReport {
     pub(crate) first_row: u16,
     pub(crate) last_row: u16,
     pub(crate) column_at_first_row: f64,
-    /// For drawing.
-    #[serde(skip)]
     pub(crate) column_at_last_row: f64,
     pub(crate) edges: u16,
     pub(crate) polarity: Option<&'static str>,
-    pub(crate) status: Status,
+    #[serde(serialize_with = "by_name")]
+    pub(crate) status: RangeStatus,
     /// The same for the same edge in all frames of a sequence; null outside one, and for what is not followed.
     pub(crate) line_id: Option<u32>,
     /// Number of frames that the values rest on.
@@ -55,44 +55,6 @@ pub(crate) struct RangeReport {
     pub(crate) misfit: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Status {
-    Ok,
-    Far,
-    Slow,
-    Inconsistent,
-    Bent,
-    Short,
-}
-
-impl Status {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "ok",
-            Self::Far => "far",
-            Self::Slow => "slow",
-            Self::Inconsistent => "inconsistent",
-            Self::Bent => "bent",
-            Self::Short => "short",
-        }
-    }
-}
-
-impl From<RangeStatus> for Status {
-    fn from(status: RangeStatus) -> Self {
-        match status {
-            RangeStatus::Ok => Self::Ok,
-            RangeStatus::Far => Self::Far,
-            RangeStatus::Inconsistent => Self::Inconsistent,
-            RangeStatus::Bent => Self::Bent,
-            RangeStatus::Short => Self::Short,
-            // Sideways as well: nothing is known of the depth then, and its sigma says so.
-            _ => Self::Slow,
-        }
-    }
-}
-
 impl Frame {
     /// Ranges are told from left to right, wherever they ended.
     pub(crate) fn new(name: String, ranges: &mut [Range<f64>], counters: Counters) -> Self {
@@ -101,24 +63,25 @@ impl Frame {
             name,
             torn: false,
             ranges: ranges.iter().map(RangeReport::new).collect(),
+            edges: counters.points,
+            stray_edges: counters.stray_points,
             dropped_edges: counters.dropped_points,
             dropped_lines: counters.dropped_lines,
-            stray_edges: counters.stray_points,
         }
     }
 }
 
 impl RangeReport {
     fn new(range: &Range<f64>) -> Self {
-        const SIGMAS: f64 = 2.0;
-        let (estimate, depth) = (&range.estimate, range.depth(SIGMAS));
+        const BOUNDS: Sigmas<f64> = Sigmas(2.0);
+        let (estimate, depth) = (&range.estimate, range.depth(BOUNDS));
         Self {
             bearing: estimate.bearing,
             inverse_depth_per_m: estimate.inverse_depth_per_m,
             sigma_inverse_depth_per_m: estimate.sigma_inverse_depth_per_m,
             depth_m: depth.estimate_m.map(|(depth, _)| depth),
             sigma_depth_m: depth.estimate_m.map(|(_, sigma)| sigma),
-            distance_m: range.distance(SIGMAS).estimate_m.map(|(distance, _)| distance),
+            distance_m: range.distance(BOUNDS).estimate_m.map(|(distance, _)| distance),
             nearest_m: depth.nearest_m,
             farthest_m: depth.farthest_m,
             first_row: range.first_row,
@@ -127,7 +90,7 @@ impl RangeReport {
             column_at_last_row: range.column_at_last_row,
             edges: range.points,
             polarity: polarity(range.polarity),
-            status: range.status.into(),
+            status: range.status,
             line_id: range.line_id,
             frames: range.frames,
             tilt_deg: estimate.tilt.atan().to_degrees(),
@@ -138,6 +101,10 @@ impl RangeReport {
             misfit: estimate.misfit,
         }
     }
+}
+
+fn by_name<S: Serializer>(status: &RangeStatus, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(status.name())
 }
 
 fn source(source: ErrorSource) -> &'static str {

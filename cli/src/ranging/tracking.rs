@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 use anyhow::{Error, Result, anyhow};
-use shutter_range::{Counters, EdgeError, Limits, Line, Ranger, Readout, ReadoutDirection, Setup};
+use shutter_range::{Counters, EdgeError, Line, Ranger, Readout, ReadoutDirection, Setup};
 
 use crate::input::edge_file::EdgeRow;
 
@@ -56,7 +56,7 @@ fn patient(setup: &Setup<f64>, rows: &[EdgeRow]) -> Result<Setup<f64>> {
     let patience = usize::from(defaults.gap_rows) * looked_at / rows.len();
     let tentative_gap_rows = u16::try_from(patience)?.max(defaults.tentative_gap_rows);
     let gap_rows = (3 * tentative_gap_rows).max(defaults.gap_rows);
-    let limits = Limits { tentative_gap_rows, gap_rows, ..defaults };
+    let limits = defaults.with_tentative_gap_rows(tentative_gap_rows).with_gap_rows(gap_rows);
     Ok(setup.with_limits(limits)?)
 }
 

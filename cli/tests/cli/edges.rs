@@ -103,6 +103,7 @@ fn json_keys_are_as_promised() {
         "first_row",
         "last_row",
         "column_at_first_row",
+        "column_at_last_row",
         "edges",
         "polarity",
         "status",
@@ -114,6 +115,8 @@ fn json_keys_are_as_promised() {
         "dominant",
         "edges_used",
         "misfit",
+        "edges",
+        "stray_edges",
         "dropped_edges",
         "dropped_lines",
     ];
@@ -162,9 +165,9 @@ fn a_camera_that_stands_still_is_slow() {
     let ranges = Folder::of(&still, &text).ranges();
     assert_eq!(ranges[0]["status"], "slow");
     assert!(number(&ranges[0], "sigma_inverse_depth_per_m") > 0.33);
-    // On its side, edges run along the rows and say nothing either.
+    // On its side, upright edges run along the rows.
     let sideways = SETUP.replace("[attitude]", "[attitude]\ngravity = [1, 0, 0]");
-    assert_eq!(Folder::of(&sideways, &text).ranges()[0]["status"], "slow");
+    assert_eq!(Folder::of(&sideways, &text).ranges()[0]["status"], "sideways");
 }
 
 #[test]
@@ -227,7 +230,9 @@ fn what_does_not_fit_is_counted() {
     let frame = &folder.document()["frames"][0];
     assert_eq!(frame["ranges"].as_array().map(Vec::len), Some(256));
     assert!(number(frame, "dropped_lines") > 0.0);
-    assert!(folder.edges().stdout.contains("dropped for want of room: 0 edges, "));
+    let [edges, stray, dropped] = ["edges", "stray_edges", "dropped_edges"].map(|key| number(frame, key));
+    assert_eq!((edges, stray, dropped), (3600.0, 0.0, 12.0 * (300.0 - 256.0)));
+    assert!(folder.edges().stdout.contains("dropped for want of room: 528 edge points, "));
 }
 
 #[test]
@@ -244,7 +249,7 @@ fn text_has_one_line_for_each_range() {
     assert_eq!(lines[2][7..], ["noise", "-", "0-470", "48", "-", "ok"]);
     assert_eq!(lines[3].last(), Some(&"far"));
     assert!(outcome.stdout.contains("∞)"));
-    assert!(lines[4].starts_with(&["1", "stray", "edges:"]));
+    assert!(lines[4].starts_with(&["1", "stray", "edge", "points:"]));
     assert!(!outcome.stdout.contains('\x1b'), "no colours into a pipe");
 }
 

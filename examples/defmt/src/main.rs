@@ -7,14 +7,12 @@ use defmt_semihosting as _; // the logger
 use semihosting as _; // the panic handler: message on stderr, exit code 101
 
 use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, Limits, ParameterError, Ranger, Readout, Setup, Twist, Uncertainty,
-};
+    Camera, Distortion, EdgePoint, Intrinsics, Limits, ParameterError, Ranger, Readout, Setup, Twist, Uncertainty, Sigmas};
 
 /// A post of 2.5 m, passed at 1.5 m/s, in a QVGA frame; the second edge lies behind the horizon of what can be told.
 fn run() -> Result<(), ParameterError> {
-    let camera = Camera::new(Intrinsics::centred(320, 240, 300.0_f32), Distortion::NONE)?;
-    let readout = Readout::from_frame_readout_ns(240, 16_666_667, Default::default())?;
-    let setup = Setup::new(camera, readout, Uncertainty::default(), Limits::default())?;
+    let setup = Setup::pinhole(320, 240, 300.0_f32, 16_666_667)?;
+    let readout = *setup.readout();
     let motion = Twist::level([-1.5, 0.0, 0.0])?;
     defmt::info!("{}", setup.readout());
     let mut ranger: Ranger<4, 12, 4> = Ranger::new();
@@ -34,7 +32,7 @@ fn run() -> Result<(), ParameterError> {
     }
     ranger.end_frame(&setup);
     while let Some(range) = ranger.next_range(&setup, &motion) {
-        defmt::info!("{}: {}", range.status, range.depth(2.0));
+        defmt::info!("{}: {}", range.status, range.depth(Sigmas(2.0)));
         defmt::debug!("{}", range);
     }
     defmt::info!("{}", ranger.counters());
