@@ -291,6 +291,8 @@ pub enum FitError {
     InvalidSample(usize),
     /// The edges run along the rows at this sample: the camera lies on its side, or the edges' vanishing point is in view.
     Sideways(usize),
+    /// The solution lies beyond the range of the numbers: the samples are of no edge.
+    Diverged,
 }
 
 impl Display for FitError {
@@ -304,6 +306,7 @@ impl Display for FitError {
                     "sample {index}: column, row and time must be finite, sigma above zero, the pixel in the image"
                 )
             }
+            Self::Diverged => write!(formatter, "the solution lies beyond the range of the numbers"),
             Self::Sideways(index) => write!(formatter, "sample {index}: upright edges run along the rows there"),
         }
     }

@@ -127,7 +127,7 @@ pub use range::{
     Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Range, RangeStatus, Sample, Sigmas, Spread,
     fit,
 };
-pub use ranger::Ranger;
+pub use ranger::{BoardRanger, DesktopRanger, Ranger, SmallRanger};
 #[cfg(feature = "micromath")]
 pub use scalar::Micro;
 #[cfg(feature = "fixed")]

@@ -46,6 +46,15 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     frame: Frame,
 }
 
+/// For a small board: 8 lines, 16 edge points a row. 4.2 kB.
+pub type SmallRanger = Ranger<8, 8, 16>;
+
+/// For a vision board: 16 lines, 32 edge points a row. 10.6 kB.
+pub type BoardRanger = Ranger<16, 12, 32>;
+
+/// For a desktop: 256 lines, 4096 edge points a row. 0.8 MB: make it in a `static`, or box it.
+pub type DesktopRanger = Ranger<256, 64, 4096>;
+
 /// What the frame under way is made of. The tag is written out, and zero at first, as all else in an empty ranger.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -134,6 +134,15 @@ impl<S: Scalar> Estimate<S> {
         [[a * a, mixed], [mixed, rho * rho]]
     }
 
+    /// Whether each of its numbers is one.
+    pub(super) fn is_finite(&self) -> bool {
+        let where_it_is = [self.bearing, self.inverse_depth_per_m, self.tilt, self.distance_per_depth];
+        let how_well =
+            [self.sigma_bearing, self.sigma_inverse_depth_per_m, self.sigma_tilt, self.correlation, self.misfit];
+        let parts = self.budget.parts().map(|(_, part)| part);
+        where_it_is.into_iter().chain(how_well).chain(parts).all(S::is_finite)
+    }
+
     /// Of the inverse depth.
     pub(super) fn relative_sigma(&self) -> S {
         (self.sigma_inverse_depth_per_m / self.inverse_depth_per_m).abs()

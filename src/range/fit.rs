@@ -107,6 +107,9 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     let sensitivity = Sensitivity::of(&problem.observations, &line3, &equations, &solution, setup);
     let state = LineState { line3, covariance: solution.covariance(), sensitivity };
     let estimate = Estimate::new(&state, setup, &goodness_of_fit);
+    if !estimate.is_finite() {
+        return Err(FitError::Diverged);
+    }
     let mut inliers = Vec::new();
     for observation in &problem.observations {
         // As many as there are sights; `collect` could panic.
@@ -210,31 +213,39 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(Solved { line3: solution.apply(line3), solution, equations })
     }
 
-    /// More rounds, until one changes next to nothing: mostly two. What does not settle is no straight edge: one round tells roughly
-    /// where it is.
-    fn settle(&self, line3: &Line3<S>) -> Result<Solved<S, N>, FitError> {
-        let mut solved = self.round(line3, Round::Later)?;
+    /// Rounds until one changes next to nothing: mostly two. `None` where they do not settle, or lead where there is no
+    /// solution.
+    fn converge(&self, line3: &Line3<S>) -> Option<Solved<S, N>> {
+        let mut solved = self.round(line3, Round::Later).ok()?;
         for _ in 1..MOST_ROUNDS {
             if solved.solution.step() < S::ratio(1, 50) {
-                return Ok(solved);
+                return Some(solved);
             }
-            solved = self.round(&solved.line3, Round::Later)?;
+            solved = self.round(&solved.line3, Round::Later).ok()?;
         }
-        self.round(line3, Round::Later)
+        None
     }
 
-    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
-    /// camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    /// The same; what does not settle is no straight edge, and one round tells roughly where it is.
+    fn settle(&self, line3: &Line3<S>) -> Result<Solved<S, N>, FitError> {
+        self.converge(line3).map_or_else(|| self.round(line3, Round::Later), Ok)
+    }
+
+    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
+    /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
     fn settle_in_front(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
         let solved = self.settle(start)?;
         let line3 = solved.line3;
         if line3.tilt == S::ZERO || !(line3.inverse_depth < S::ZERO) {
             return Ok(solved);
         }
-        let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
-        let other = self.settle(&mirrored)?;
-        let is_as_good = other.cost() < solved.cost() + S::from_i32(9);
-        Ok(if other.line3.inverse_depth > S::ZERO && is_as_good { other } else { solved })
+        let mirrored = self.converge(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 });
+        let is_as_good = |other: &Solved<S, N>| {
+            let [_, sigma_per_m, _] = other.solution.covariance().sigma;
+            let is_in_front = other.line3.inverse_depth > S::ZERO && sigma_per_m < S::UNKNOWN;
+            is_in_front && other.cost() < solved.cost() + S::from_i32(9)
+        };
+        Ok(mirrored.filter(is_as_good).unwrap_or(solved))
     }
 
     /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
