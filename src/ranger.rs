@@ -1,4 +1,4 @@
-//! [`Ranger`]: edges in, ranges out, frame by frame.
+//! [`Ranger`]: rows of pixels or edge points in, ranges out, frame by frame.
 
 use heapless::Vec;
 
@@ -299,8 +299,8 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: &
     Ok(())
 }
 
-/// Locates the edges that no line explains as well as their row alone allows. Two that are so near to each other that the scanner
-/// sees one through the other keep their places, but how wide they are is not known.
+/// Refines the scanned points that no line explains, as well as a single row allows. Two points that share a window of the
+/// scanner keep their columns, but their widths are not measured.
 fn refine_alone(points: &mut [EdgePoint], pixels: &[u8], noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();

@@ -1,4 +1,4 @@
-//! [`Tracker`]: from a stream of edges in row order to lines.
+//! [`Tracker`]: from edge points, row by row, to lines.
 
 use heapless::Vec;
 
@@ -9,20 +9,20 @@ use super::track::{RowTime, State, Track};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, Polarity};
 use crate::setup::Limits;
 
-/// Lines of a frame under way: at most `LINES` of `KNOTS` knots each.
+/// The lines of a frame under way: at most `LINES` of `KNOTS` knots each.
 ///
-/// Every row's edges are matched to the lines' predicted columns: an edge and a line of the same polarity that are each
-/// other's nearest, within the gate, belong together. An edge that matches nothing begins a tentative line. Lines that
-/// have missed too many rows end; a full table refuses the newcomer, counts it, and never loses a confirmed line.
+/// The points of each row are associated with the lines' predicted columns: a point and a line of the same polarity that
+/// are each other's nearest, within the gate, belong together. A point without a line starts a tentative one. Lines that
+/// have missed too many rows end. A full table refuses new lines, counts them, and never loses a confirmed line.
 ///
-/// *Cost*: per row an insertion sort of the lines, which hardly change places, and for each polarity a sweep over edges and
-/// lines together.
+/// *Cost*: per row an insertion sort of the lines, whose order hardly changes, and for each polarity one pass over points
+/// and lines together.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize> {
     tracks: [Slot<KNOTS>; LINES],
     counters: Counters,
-    /// Places of the lines under way and of those that wait to be taken.
+    /// Places of the lines under way, and of those that have ended and wait to be taken.
     under_way: Vec<u16, LINES>,
     ended: Vec<u16, LINES>,
     /// No place before this one is free.
@@ -66,32 +66,32 @@ impl<const KNOTS: usize> Slot<KNOTS> {
     }
 }
 
-/// Where a line has been found: edges of its polarity near there are its own.
+/// Where the refinement has found a line: scanned points of its polarity near there are its own.
 struct Explained {
     column_q16: i64,
     reach_q16: i64,
     polarity: Polarity,
-    /// The row has shown this very point on its own, too.
+    /// The scanner has found this very point, too.
     is_seen: bool,
 }
 
-/// A row with more edges that belong to no confirmed line is crowded.
+/// A row is cluttered if more points than this belong to no confirmed line.
 const MOST_UNMATCHED_POINTS: usize = 1;
-/// Most that [`Explained::reach_q16`] can be.
+/// Upper bound of [`Explained::reach_q16`].
 const MAX_REACH_Q16: i64 = 34 << 16;
 
-/// A line under way, as a row sees it.
+/// A line under way, as predicted for a row.
 struct Candidate {
     prediction: Prediction,
     slot: usize,
     state: State,
     polarity: Polarity,
-    /// Within this distance two edges cannot be told apart: by their noise, or their blur.
+    /// Two edges nearer than this cannot be told apart, because of their noise or their blur.
     blur_q16: i64,
 }
 
 impl Candidate {
-    /// Whether the other one is another edge: within its own blur, one of the same polarity is a piece of it.
+    /// Whether the other one is another edge. A line of the same polarity within the blur is a fragment of the same edge.
     fn is_ended_by(&self, other: &Self) -> bool {
         let apart_q16 = (other.prediction.column_q16 - self.prediction.column_q16).abs();
         other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16
@@ -107,8 +107,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         Self { tracks, counters: Counters::ZERO, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
     }
 
-    /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
-    /// be left out, rows without edges should be given, since lines end by missing rows.
+    /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at may
+    /// be left out; rows without points should be given, since lines end by missing rows.
     pub(crate) fn row(&mut self, limits: &Limits, row: u16, points: &[EdgePoint]) {
         self.occupied = 0;
         if !points.is_empty() {
@@ -127,8 +127,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.stitch_all(limits, row);
     }
 
-    /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
-    /// to lie in line by chance.
+    /// Counts the row as cluttered for the lines under way where it has so many points, or so much texture beside them,
+    /// that some points line up by chance.
     pub(crate) fn count_clutter(&mut self, points: &[EdgePoint], is_textured: bool) {
         let is_cluttered = is_textured || points.len() > MOST_UNMATCHED_POINTS;
         for place in &self.under_way {
@@ -141,8 +141,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
-    /// of those that the row shows on its own. To be called before [`Tracker::row`] takes the rest.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and removes the scanned points that this
+    /// explains. To be called before [`Tracker::row`] takes the others.
     pub(crate) fn refine<const POINTS: usize>(
         &mut self,
         limits: &Limits,
@@ -151,7 +151,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         points: &mut Vec<EdgePoint, POINTS>,
     ) {
         let mut explained: Vec<Explained, LINES> = Vec::new();
-        // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
+        // Tentative lines are noise as often as not: they must not narrow the window of a confirmed one.
         let mut candidates: Vec<Candidate, LINES> = Vec::new();
         self.predict(limits, at.row, &mut candidates);
         candidates.retain(|candidate| candidate.state == State::Confirmed);
@@ -168,7 +168,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let reach_q16 = (5 << 16) / 2 + i64::from(point.width_q8) * 640;
                 if track.take(point, limits) {
                     let (column_q16, polarity) = (i64::from(point.column_q16), point.polarity);
-                    // One per line at most.
+                    // There is room: one per line at most.
                     let at = explained.partition_point(|other| other.column_q16 <= column_q16);
                     let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity, is_seen: false });
                 }
@@ -183,7 +183,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let explains =
                 |e: &&mut Explained| e.polarity == point.polarity && (e.column_q16 - column).abs() <= e.reach_q16;
             let within = explained.iter_mut().skip(nearby).take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column);
-            // The first is the line's own point once more; others are lost beside it.
+            // The first is the line's own point once more; any other is stray.
             match within.filter(explains).reduce(|a, b| if a.is_seen { b } else { a }) {
                 Some(explanation) => {
                     duplicates += u32::from(explanation.is_seen);

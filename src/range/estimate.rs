@@ -1,4 +1,4 @@
-//! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance come with an interval.
+//! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance are intervals.
 
 use super::budget::Budget;
 use super::goodness_of_fit::GoodnessOfFit;
