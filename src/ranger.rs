@@ -10,12 +10,19 @@ use crate::range::Range;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
-/// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `POINTS` edges on one row.
+/// The whole way from rows to ranges: at most `LINES` lines of `KNOTS` knots, and `POINTS` edge points on one row.
 ///
-/// Glue only: it checks the edges, collects those of a row in the order of their columns, hands them to the
-/// [`Tracker`] and ranges the lines that end. It holds tables and no parameters, so that it can be a `static`.
+/// A pipeline without mathematics of its own: it checks what comes in, finds the edge points of rows of pixels, tracks them
+/// to lines and ranges the lines that end. It holds tables and no parameters.
 ///
-/// On a small board make it a `static`, or write `const { Ranger::new() }`: it is then never built and copied on the stack.
+/// An empty ranger is all zero bits. Make it a `static`: it then lies in memory that is zeroed at reset and takes no flash.
+/// A safe `&'static mut` to it comes from `cortex-m-rt`, whose `#[entry]` function may have a `static mut` of its own
+/// (`examples/no_panic.rs`), or from `ConstStaticCell` of the crate `static_cell`:
+///
+/// ```ignore
+/// static RANGER: ConstStaticCell<BoardRanger> = ConstStaticCell::new(BoardRanger::new());
+/// let ranger = RANGER.take();
+/// ```
 ///
 /// *Memory*: at most `LINES` × (128 + 40 `KNOTS`) + 24 `POINTS` + 96 bytes.
 ///

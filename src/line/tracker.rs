@@ -197,7 +197,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.count_stray(duplicates);
     }
 
-    /// Learns what newly confirmed lines look like from the row that they were last seen in.
+    /// Gives newly confirmed lines a model of their edge, from the row in which they were last seen.
     pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
         for place in &self.under_way {
             let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Slot::track);
@@ -215,14 +215,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Forgets all lines under way: the frame is torn. Their points are stray.
+    /// Forgets all lines under way because the frame is torn. Their points are stray.
     pub(crate) fn abandon(&mut self) {
         while let Some(place) = self.under_way.pop() {
             self.forget(place);
         }
     }
 
-    /// Ends all confirmed lines and forgets the tentative ones.
+    /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
         while let Some(place) = self.under_way.pop() {
             self.finish(place);
@@ -265,21 +265,22 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
-    /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
-    /// hidden ones would leave no place for what they wait for.
+    /// Whether the table has room for a continuation of each hidden line, which starts as a line of its own and is then
+    /// stitched. Without room, hidden lines take part in the association themselves.
     fn has_room_to_stitch(&self) -> bool {
         let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track());
         let hidden = tracks.filter(|track| track.is_hidden()).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
     }
 
-    /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
+    /// Predictions of the lines under way that have no point on this row yet, from left to right. Hidden lines are left out:
+    /// they wait to be stitched.
     fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
         let room = self.has_room_to_stitch();
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Slot::track);
-            // One per slot at most.
+            // There is room: one per slot at most.
             if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
@@ -287,7 +288,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let _ = predictions.insert(at, Candidate { prediction, slot, state, polarity, blur_q16 });
             }
         }
-        // Lines hardly change places: the next row finds them almost in order.
+        // Lines hardly ever change their order: on the next row they are almost sorted.
         let order = predictions.iter().map(|candidate| candidate.slot as u16);
         if predictions.len() == self.under_way.len() {
             self.under_way.iter_mut().zip(order).for_each(|(place, slot)| *place = slot);
@@ -308,8 +309,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
-    /// not take its edges. What matches nothing begins a line.
+    /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
+    /// confirmed line does not take its points. A point without a line starts one.
     fn match_points<'e>(
         &mut self,
         limits: &Limits,
@@ -349,7 +350,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// A young line may be a piece of one that is hidden: that goes on with it.
+    /// Stitches confirmed lines that have just started to hidden ones that they continue.
     fn stitch_all(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
@@ -379,14 +380,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         Some(())
     }
 
-    /// Begins a tentative line, if there is room.
+    /// Starts a tentative line, if there is room.
     fn begin(&mut self, point: EdgePoint) {
         let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, slot)| slot.is_free());
         match free {
             Some((slot, free)) => {
                 *free = Slot::Taken(Track::new(point));
                 self.occupied = slot + 1;
-                // A place for each slot.
+                // There is room: one place for each slot.
                 let _ = self.under_way.push(slot as u16);
             }
             None => {
@@ -414,7 +415,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     fn finish(&mut self, place: u16) {
         let track = self.tracks.get(usize::from(place)).and_then(Slot::track);
         if track.is_some_and(|track| track.state == State::Confirmed) {
-            // A place for each slot.
+            // There is room: one place for each slot.
             let _ = self.ended.push(place);
         } else {
             self.forget(place);
