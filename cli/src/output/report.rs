@@ -95,7 +95,7 @@ impl RangeReport {
             frames: range.frames,
             tilt_deg: estimate.tilt.atan().to_degrees(),
             sigma_tilt_deg: estimate.sigma_tilt.to_degrees(),
-            sigma_common: depth.estimate_m.map(|_| estimate.budget.common_per_m() / estimate.inverse_depth_per_m),
+            sigma_common: depth.estimate_m.map(|_| estimate.budget.correlated_per_m() / estimate.inverse_depth_per_m),
             dominant: source(estimate.budget.dominant()),
             edges_used: range.points_used,
             misfit: estimate.misfit,
