@@ -25,8 +25,8 @@ pub(crate) enum Command {
     /// Ranges from edge points
     #[command(after_help = EDGES_HELP)]
     Edges {
-        /// CSV with the header `row,column` and optionally time_s, line, frame, polarity, sigma_px; `-` reads standard
-        /// input
+        /// CSV with the header `row,column` and optionally time_s, line, frame, polarity, sigma_px, width_px; `-` reads
+        /// standard input
         file: PathBuf,
         #[command(flatten)]
         setup: SetupArgs,
@@ -141,6 +141,7 @@ Columns:
   frame         a whole number; frames are independent of each other, or start at so many --frame-interval-s
   polarity      rising (dark to bright from left to right) or falling
   sigma_px      noise of the column, one standard deviation; default: camera.sigma_column_px of the setup
+  width_px      one sigma of the edge's blur, 0 to 255; 0 or empty: not measured
 
 Smallest setup:
   [camera]

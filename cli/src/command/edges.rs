@@ -1,14 +1,14 @@
 //! Command `edges`: ranges from edge points, frame by frame.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, bail};
 use shutter_range::{Line, Setup};
 
 use crate::arguments::CourseArgs;
-use crate::input::edge_file::{self, EdgeRow};
+use crate::input::bounded_read;
+use crate::input::edge_file::{self, EdgeRow, LIMIT};
 use crate::input::setup::SetupFile;
 use crate::output::report::{Document, Frame};
 use crate::ranging::course::{CameraMotion, Course};
@@ -17,21 +17,16 @@ use crate::ranging::tracking::{self, KNOTS, Tracked, backwards};
 
 pub(crate) fn ranges(path: &Path, setup: &SetupFile, course: &CourseArgs) -> Result<Document> {
     let name = path.display().to_string();
-    let text = read(path).with_context(|| format!("reading {name}"))?;
+    let text = if path == Path::new("-") {
+        bounded_read::read_standard_input(&LIMIT)?
+    } else {
+        bounded_read::read_text(path, &LIMIT)?
+    };
     let groups = by_frame(&text, setup).with_context(|| name.clone())?;
     course.refuse_frames(groups.len()).map_err(Error::msg)?;
     let course = Course::new(course, setup)?;
     let frames = frames(&name, groups, setup, course).with_context(|| name.clone())?;
     Ok(Document { frames })
-}
-
-fn read(path: &Path) -> Result<String> {
-    if path != Path::new("-") {
-        return Ok(std::fs::read_to_string(path)?);
-    }
-    let mut text = String::new();
-    std::io::stdin().read_to_string(&mut text)?;
-    Ok(text)
 }
 
 type Frames = BTreeMap<Option<i64>, Vec<EdgeRow>>;
@@ -106,7 +101,7 @@ fn refuse_twin_rows(number: i64, rows: &[EdgeRow]) -> Result<()> {
     });
     match twins {
         Some((a, b)) => bail!(
-            "lines {} and {}: `line` {number} has two edges on `row` {}, but must have one: number them as two lines",
+            "lines {} and {}: `line` {number} has two edge points on `row` {}, but must have one: number them as two lines",
             a.at.min(b.at),
             a.at.max(b.at),
             a.edge.row

@@ -9,6 +9,7 @@ use shutter_range::sim::{Exposure, Simulator};
 use shutter_range::{Camera, Distortion, Intrinsics, Motion, ParameterError, Twist};
 
 use crate::arguments::SimulateArgs;
+use crate::input::bounded_read;
 use crate::input::scene_file::{self, OBJECTS, SceneFile};
 use crate::input::setup::{self, SetupFile};
 use crate::output::progress;
@@ -19,17 +20,16 @@ pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
     let setup_path = &arguments.setup.path;
     let file = setup::load(setup_path)?;
     let scene_text = match &arguments.scene {
-        Some(path) => fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?,
+        Some(path) => bounded_read::read_text(path, &scene_file::LIMIT)?,
         None => scene_file::STREET.to_string(),
     };
     let named =
         || arguments.scene.as_ref().map_or("the built-in street".to_string(), |path| path.display().to_string());
     let scene = scene_file::parse(&scene_text).with_context(named)?;
     let simulator = simulator(&file, &scene, arguments.seed).with_context(|| setup_path.display().to_string())?;
-    let setup_text = fs::read(setup_path).with_context(|| format!("reading {}", setup_path.display()))?;
     make_folder(&arguments.out)?;
     let document = render(&simulator, &file, arguments)?;
-    write(&arguments.out.join("setup.toml"), &setup_text)?;
+    write(&arguments.out.join("setup.toml"), file.text.as_bytes())?;
     write(&arguments.out.join("scene.toml"), scene_text.as_bytes())?;
     write(&arguments.out.join("truth.json"), terminal::json(&document)?.as_bytes())?;
     Ok(document)

@@ -3,9 +3,13 @@
 use anyhow::Result;
 use shutter_range::{EdgePoint, Polarity};
 
+use super::bounded_read::{Limit, MEBIBYTE};
 use super::bounds::Bounds;
 use super::setup::{SIGMA_PX, SetupFile};
 use super::table_file::{Columns, Record, TableFile};
+
+/// Some ten million edge points, which take more than a gigabyte of memory.
+pub(crate) const LIMIT: Limit<'_> = Limit { bytes: 256 * MEBIBYTE, rule: "a file of edge points must have at most" };
 
 /// An edge, where it came from, and what it is said to belong to.
 #[derive(Clone, Copy)]
@@ -23,12 +27,14 @@ pub(crate) struct EdgeFile {
 }
 
 const COLUMNS: Columns = Columns {
-    known: &["row", "column", "time_s", "line", "frame", "polarity", "sigma_px"],
+    known: &["row", "column", "time_s", "line", "frame", "polarity", "sigma_px", "width_px"],
     required: &["row", "column"],
 };
 
 /// The library takes stamps within an hour of frame start.
 const TIME: Bounds = Bounds::number(-3600.0, 3600.0, "seconds since frame start");
+/// An edge point cannot store more than that.
+const WIDTH: Bounds = Bounds::number(0.0, 255.0, "pixels, one sigma of the edge's blur; 0 where it was not measured");
 
 pub(crate) fn parse(text: &str, setup: &SetupFile) -> Result<EdgeFile> {
     let table = TableFile::parse(text, &COLUMNS)?;
@@ -44,6 +50,12 @@ fn polarity(record: &Record<'_>) -> Result<Polarity> {
         Some("falling" | "-1") => Ok(Polarity::Falling),
         Some(_) => Err(record.refuse("polarity", "rising, falling or empty")),
     }
+}
+
+/// In 1/256 px; zero where it was not measured. A width below the resolution was measured all the same.
+fn width_q8(record: &Record<'_>) -> Result<u16> {
+    let measured = record.number("width_px", WIDTH)?.filter(|width_px| *width_px > 0.0);
+    Ok(measured.map_or(0, |width_px| ((width_px * 256.0).round() as u16).max(1)))
 }
 
 /// From a line of the file to an edge.
@@ -73,6 +85,7 @@ impl<'a> RowParser<'a> {
             .with_polarity(polarity(record)?)
             // Whatever is finer than the grid of columns is as good as the grid.
             .with_sigma_q16(((sigma_px * 65536.0).round() as u32).max(1));
+        let edge = EdgePoint { width_q8: width_q8(record)?, ..edge };
         Ok(EdgeRow { at: record.at, frame: record.integer("frame")?, line: record.integer("line")?, edge })
     }
 }

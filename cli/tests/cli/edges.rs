@@ -195,6 +195,38 @@ fn noise_of_the_edges_comes_from_the_file_or_the_setup() {
     assert_near(sigma(&doubled, "row,column", "") / usual, 2.0, 0.001);
 }
 
+/// Over 1 m the edge passes 9 px in an exposure of 10 ms, a box with a sigma of 2.6 px.
+#[test]
+fn a_known_exposure_and_a_measured_width_show_a_lean() {
+    let setup = SETUP.replace("fx = 600", "fx = 600\nexposure_s = 0.01\nlens_blur_px = 0.7");
+    let status = |header: &str, rest: &str| {
+        let range = Folder::of(&setup, &format!("{header}\n{}", one_line(1.0, rest))).ranges().remove(0);
+        range["status"].as_str().expect("a word").to_string()
+    };
+    assert_eq!(status("row,column,width_px", ",0.76"), "leaning", "it is not smeared as its slope would have it");
+    assert_eq!(status("row,column,width_px", ",2.7"), "ok");
+    for (header, rest) in [("row,column", ""), ("row,column,width_px", ","), ("row,column,width_px", ",0")] {
+        assert_eq!(status(header, rest), "ok", "not measured: {header} {rest}");
+    }
+}
+
+/// Each point is counted once even where it could be of either edge.
+#[test]
+fn points_of_edges_that_are_too_near_to_each_other_are_counted() {
+    for (apart_px, width_px) in [(3.0, "2"), (3.0, ""), (0.1, "2"), (0.1, ""), (0.1, "0.5"), (1.0, "0.5")] {
+        let rows = (0..480).flat_map(|row| {
+            let column = column(0.1, 2.0, row);
+            [column, column + apart_px].map(|column| format!("{row},{column:.5},rising,{width_px}\n"))
+        });
+        let text = format!("row,column,polarity,width_px\n{}", rows.collect::<String>());
+        // That the counts add up is checked for every document.
+        let frame = &Folder::of(SETUP, &text).document()["frames"][0];
+        assert_eq!(frame["edges"], 960, "{apart_px} px, width {width_px}");
+        let is_ambiguous = (apart_px, width_px) == (3.0, "2") || apart_px == 0.1;
+        assert_eq!(number(frame, "stray_edges") > 0.0, is_ambiguous, "{apart_px} px, width {width_px}");
+    }
+}
+
 #[test]
 fn whatever_a_spreadsheet_writes() {
     let text = format!(" \"Row\" , column ,polarity,line\n\n,,,\n{}\n", one_line(2.0, " , RISING , 1.0"))

@@ -3,6 +3,7 @@
 mod courses;
 mod edges;
 mod frames;
+mod limits;
 mod overlays;
 mod painting;
 mod reference_lines;
