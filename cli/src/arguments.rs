@@ -86,6 +86,9 @@ pub(crate) struct SimulateArgs {
     /// Folder for the frames, truth.json, setup.toml and scene.toml; made if there is none
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
+    /// Replace an earlier simulation in the folder: its frame-*.png, truth.json, setup.toml and scene.toml are removed
+    #[arg(long)]
+    pub(crate) overwrite: bool,
     /// What stands before the camera (TOML); default: a street
     #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,
@@ -180,6 +183,10 @@ The camera is that of the setup, a pinhole without distortion, with its exposure
 0.7); it moves on with the setup's motion from frame to frame. truth.json says where the edges of each frame are, and the
 camera's motion in the axes of that frame's start: where the camera turns, the copied setup is right for the first frame
 only, and for all of them with --frame-interval-s.
+
+The folder must be new or empty. With --overwrite, an earlier simulation in it is replaced; files with
+other names stay. The files appear in the folder when all of them are written. Until then it is
+unchanged, and after an interruption the same command can simply be given again.
 
 A scene:
   [background]

@@ -37,6 +37,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         }
         Command::Frame(arguments) => return frame(arguments, cli.json),
         Command::Simulate(arguments) => {
+            simulate::check_inputs(arguments).unwrap_or_else(|message| arguments::refuse(&message));
             let truth = simulate::frames(arguments)?;
             if cli.json { terminal::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
         }

@@ -1,31 +1,37 @@
 //! Overlays: each edge with its distance over the picture it was found in.
 
 use std::collections::HashMap;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use image::{Rgb, RgbImage};
+use image::{ImageFormat, Rgb, RgbImage};
 use shutter_range::RangeStatus;
 
 use super::canvas::{Canvas, Frame};
 use super::report::RangeReport;
 use super::rounding::{at_least, with_sigma};
+use super::safe_file;
+use crate::input::file_identity::FileIdentity;
 
 /// Where the overlays of frames go: for one frame to `out`, for several to `out` with the stem of the frame's name.
-/// Refuses to write one over another or over a frame.
-pub(crate) fn paths(files: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBuf>, String> {
+/// Refuses to replace a frame, and to write two overlays to the same file.
+pub(crate) fn paths(frames: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBuf>, String> {
     let Some(out) = out else { return Ok(Vec::new()) };
-    let paths: Vec<PathBuf> = match files {
+    let paths: Vec<PathBuf> = match frames {
         [_] => vec![out.to_path_buf()],
-        _ => files.iter().map(|file| with_stem(out, file)).collect(),
+        _ => frames.iter().map(|frame| with_stem(out, frame)).collect(),
     };
-    let mut taken: HashMap<&PathBuf, &PathBuf> = HashMap::new();
-    for (path, file) in paths.iter().zip(files) {
-        if let Some(frame) = files.iter().find(|frame| is_same(frame, path)) {
-            return Err(format!("--overlay would replace the frame {}", frame.display()));
+    let inputs: HashMap<_, _> = frames.iter().map(|frame| (FileIdentity::of(frame), frame)).collect();
+    let mut outputs = HashMap::new();
+    for (path, frame) in paths.iter().zip(frames) {
+        let identity = FileIdentity::of(path);
+        if let Some(input) = inputs.get(&identity) {
+            let (input, path) = (input.display(), path.display());
+            return Err(format!("--overlay would replace the frame {input}: {path} is the same file"));
         }
-        if let Some(other) = taken.insert(path, file) {
-            let (a, b, path) = (other.display(), file.display(), path.display());
+        if let Some(other) = outputs.insert(identity, frame) {
+            let (a, b, path) = (other.display(), frame.display(), path.display());
             return Err(format!("--overlay would write {a} and {b} to the same file, {path}"));
         }
     }
@@ -40,16 +46,10 @@ fn with_stem(out: &Path, frame: &Path) -> PathBuf {
     out.with_file_name(name)
 }
 
-fn is_same(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => a == b,
-    }
-}
-
 pub(crate) fn write(path: &Path, picture: RgbImage, ranges: &[RangeReport]) -> Result<()> {
-    let picture = draw(picture, ranges);
-    picture.save(path).with_context(|| format!("writing {}", path.display()))
+    let mut file = Cursor::new(Vec::new());
+    draw(picture, ranges).write_to(&mut file, ImageFormat::Png).context("encoding a PNG")?;
+    safe_file::write(path, file.get_ref()).with_context(|| format!("writing {}", path.display()))
 }
 
 fn draw(picture: RgbImage, ranges: &[RangeReport]) -> RgbImage {

@@ -3,12 +3,14 @@
 mod courses;
 mod edges;
 mod frames;
+mod full_disks;
 mod limits;
 mod overlays;
 mod painting;
 mod reference_lines;
 mod refusals;
 mod sequences;
+mod simulation_folders;
 mod simulations;
 mod table2;
 mod tool;
