@@ -1,4 +1,4 @@
-//! What is told: reports, tables, overlays, progress.
+//! Results out: reports, tables, overlays, simulated frames, and progress.
 
 pub(crate) mod safe_file;
 pub(crate) mod rounding;

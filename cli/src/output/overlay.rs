@@ -1,4 +1,4 @@
-//! Overlays: each edge with its distance over the picture it was found in.
+//! Overlays: each edge with its depth over the picture that shows it.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use image::{ImageFormat, Rgb, RgbImage};
 use shutter_range::RangeStatus;
 
-use super::canvas::{Canvas, Frame};
+use super::canvas::{Canvas, Rectangle};
 use super::report::RangeReport;
 use super::rounding::{at_least, with_sigma};
 use super::safe_file;
@@ -60,12 +60,12 @@ fn draw(picture: RgbImage, ranges: &[RangeReport]) -> RgbImage {
         canvas.line(from, to, width, colour(range.status));
     }
     // Labels after all lines, so that no line crosses one.
-    let mut taken = Vec::new();
+    let mut labels = Vec::new();
     for range in ranges {
-        let Some(label) = label(range) else { continue };
-        let place = place(&canvas, range, &label, &Obstacles { ranges, labels: &taken });
-        canvas.text(&label, &place, colour(range.status));
-        taken.push(place);
+        let Some(text) = label(range) else { continue };
+        let area = label_area(&canvas, range, &text, &Obstacles { ranges, labels: &labels });
+        canvas.label(&text, &area, colour(range.status));
+        labels.push(area);
     }
     canvas.into_picture()
 }
@@ -96,23 +96,23 @@ fn label(range: &RangeReport) -> Option<String> {
     }
 }
 
-/// What a label should leave to be seen.
+/// What a label should not cover.
 struct Obstacles<'a> {
     ranges: &'a [RangeReport],
-    labels: &'a [Frame],
+    labels: &'a [Rectangle],
 }
 
 impl Obstacles<'_> {
-    fn labels_overlap(&self, place: &Frame) -> bool {
-        self.labels.iter().any(|label| label.overlaps(place))
+    fn labels_overlap(&self, area: &Rectangle) -> bool {
+        self.labels.iter().any(|label| label.overlaps(area))
     }
 
-    fn edges_cross(&self, place: &Frame) -> bool {
+    fn edges_cross(&self, area: &Rectangle) -> bool {
         self.ranges.iter().any(|range| {
-            let rows = i64::from(range.first_row).max(place.top)..=i64::from(range.last_row).min(place.bottom);
+            let rows = i64::from(range.first_row).max(area.top)..=i64::from(range.last_row).min(area.bottom);
             [*rows.start(), *rows.end()]
                 .iter()
-                .any(|row| !rows.is_empty() && (place.left..=place.right).contains(&column_at(range, *row)))
+                .any(|row| !rows.is_empty() && (area.left..=area.right).contains(&column_at(range, *row)))
         })
     }
 }
@@ -124,10 +124,10 @@ fn column_at(range: &RangeReport, row: i64) -> i64 {
     (from + (to - from) * part).round() as i64
 }
 
-/// Beside the edge, as near to its middle as there is room in the picture between the other labels and, if possible, the
-/// other edges; in the middle where there is no room at all.
-fn place(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacles<'_>) -> Frame {
-    let (width, height) = canvas.room(label);
+/// The nearest area to the middle of the edge that is in the picture and covers no other label and, if possible, no other
+/// edge. If there is none, it is beside the middle.
+fn label_area(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacles<'_>) -> Rectangle {
+    let (width, height) = canvas.label_size(label);
     let (first_row, last_row) = (i64::from(range.first_row), i64::from(range.last_row));
     let middle = (first_row + last_row) / 2;
     let gap = 3 * canvas.scale();
@@ -135,12 +135,12 @@ fn place(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacle
         let column = column_at(range, row);
         let left = if is_right { column + gap } else { column - gap - width };
         let top = row - height / 2;
-        Frame { left, top, right: left + width, bottom: top + height }
+        Rectangle { left, top, right: left + width, bottom: top + height }
     };
     let steps = (last_row - first_row) / (2 * height);
     let rows = (0..=steps).flat_map(|step| [middle - step * height, middle + step * height]);
-    let places = rows.flat_map(|row| [beside(row, true), beside(row, false)]);
-    let inside = places.filter(|place| place.is_within(&canvas.frame()) && !obstacles.labels_overlap(place));
-    let mut clear = inside.clone().filter(|place| !obstacles.edges_cross(place));
-    clear.next().or_else(|| inside.clone().next()).unwrap_or_else(|| beside(middle, true))
+    let areas = rows.flat_map(|row| [beside(row, true), beside(row, false)]);
+    let free = areas.filter(|area| area.is_within(&canvas.bounds()) && !obstacles.labels_overlap(area));
+    let mut clear = free.clone().filter(|area| !obstacles.edges_cross(area));
+    clear.next().or_else(|| free.clone().next()).unwrap_or_else(|| beside(middle, true))
 }

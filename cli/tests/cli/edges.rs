@@ -72,13 +72,13 @@ fn frames_are_apart_and_in_order() {
     let first = one_line(2.0, ",-1,falling");
     let document = Folder::of(SETUP, &format!("row,column,frame,polarity\n{second}{first}")).document();
     let frames = document["frames"].as_array().expect("frames");
-    let told = |frame: &Value| {
+    let summary = |frame: &Value| {
         let range = &frame["ranges"][0];
         (frame["name"].clone(), range["polarity"].clone(), (number(range, "depth_m") * 100.0).round())
     };
-    let told: Vec<_> = frames.iter().map(told).collect();
+    let summaries: Vec<_> = frames.iter().map(summary).collect();
     assert_eq!(
-        told,
+        summaries,
         [("edges.csv#-1".into(), "falling".into(), 200.0), ("edges.csv#12".into(), "rising".into(), 300.0)]
     );
 }
@@ -264,7 +264,7 @@ fn what_does_not_fit_is_counted() {
     assert!(number(frame, "dropped_lines") > 0.0);
     let [edges, stray, dropped] = ["edges", "stray_edges", "dropped_edges"].map(|key| number(frame, key));
     assert_eq!((edges, stray, dropped), (3600.0, 0.0, 12.0 * (300.0 - 256.0)));
-    assert!(folder.edges().stdout.contains("dropped for want of room: 528 edge points, "));
+    assert!(folder.edges().stdout.contains("dropped because the tables were full: 528 edge points, "));
 }
 
 #[test]
@@ -338,7 +338,7 @@ fn uncertainty_widens_the_range() {
     assert_near(relative_sigma("[motion]", "[motion]\nsigma_speed = 0.1"), 0.1, 0.001);
     assert_near(relative_sigma("fx = 600", "fx = 600\nsigma_readout = 0.1"), 0.1, 0.001);
     // A tenth of a degree over the slope of the edge, which is 0.0312; it is the default, too.
-    let of_tilt = 0.1_f64.to_radians() / (600.0 * 1.5 / 2.0 * 0.0333 / 480.0);
-    assert_near(relative_sigma("sigma_tilt_deg = 0", "sigma_tilt_deg = 0.1"), of_tilt, 0.002);
-    assert_near(relative_sigma("sigma_tilt_deg = 0", ""), of_tilt, 0.002);
+    let from_tilt = 0.1_f64.to_radians() / (600.0 * 1.5 / 2.0 * 0.0333 / 480.0);
+    assert_near(relative_sigma("sigma_tilt_deg = 0", "sigma_tilt_deg = 0.1"), from_tilt, 0.002);
+    assert_near(relative_sigma("sigma_tilt_deg = 0", ""), from_tilt, 0.002);
 }
