@@ -259,7 +259,7 @@ pub enum TrajectoryGap {
         at_ns: i64,
         /// How long the gap is: between its two samples, or from the nearest one to `at_ns`.
         gap_ns: u64,
-        /// The longest that is trusted: [`SensorClock::max_gap_ns`].
+        /// The longest that is trusted: [`SensorClock::max_gap_ns`](crate::SensorClock::max_gap_ns).
         max_gap_ns: u64,
     },
 }

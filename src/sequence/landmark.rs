@@ -70,7 +70,7 @@ impl<S: Scalar> LineObservation<S> {
 }
 
 impl<S: Scalar> Landmark<S> {
-    /// A line's matched to be this edge; `None` where it cannot be.
+    /// How well a line matches this edge; `None` where it cannot be the same.
     pub(crate) fn match_with(
         &self,
         setup: &Setup<S>,
