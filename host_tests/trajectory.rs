@@ -281,14 +281,14 @@ fn from_frame_to_frame() {
     let here = trajectory.frame(first_ns, 0..=70 * MS).expect("covered");
     let there = trajectory.frame(first_ns + interval_ns, -interval_ns..=interval_ns).expect("covered");
     let (step, next) = (here.pose(0.035), there.pose(0.02));
-    let onwards = [0, 1, 2].map(|axis| step.position_m[axis] + step.turn(next.position_m)[axis]);
+    let onwards = [0, 1, 2].map(|axis| step.position_m[axis] + step.rotate(next.position_m)[axis]);
     let direct = here.pose(0.055);
     assert!(onwards.iter().zip(direct.position_m).all(|(a, b)| (a - b).abs() < 1e-14));
     let back = there.pose(-0.035);
-    let again = [0, 1, 2].map(|axis| back.position_m[axis] + back.turn(step.position_m)[axis]);
+    let again = [0, 1, 2].map(|axis| back.position_m[axis] + back.rotate(step.position_m)[axis]);
     assert!(again.iter().all(|component| component.abs() < 1e-14), "{again:?}");
     for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-        let there_and_back = back.turn(step.turn(axis));
+        let there_and_back = back.rotate(step.rotate(axis));
         assert!(there_and_back.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-14));
     }
 }
@@ -483,7 +483,7 @@ proptest! {
         let (here, there) = (pose(|v| v, |w| w), pose(mirrored_velocity, mirrored_rate));
         prop_assert_eq!(mirrored_velocity(here.position_m), there.position_m);
         prop_assert_eq!(mirrored_rate(here.rate_rad_s), there.rate_rad_s);
-        prop_assert_eq!(mirrored_velocity(here.turn([1.0, 2.0, 3.0])), there.turn([-1.0, 2.0, 3.0]));
+        prop_assert_eq!(mirrored_velocity(here.rotate([1.0, 2.0, 3.0])), there.rotate([-1.0, 2.0, 3.0]));
     }
 
     /// Whatever comes: no panic, and no pose that is not a number.

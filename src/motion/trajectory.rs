@@ -158,7 +158,7 @@ impl<S: Scalar, const N: usize> FrameMotion<'_, S, N> {
     /// The samples' directions at frame start, in its axes.
     fn gravity_between(&self, before: Option<&Stamped<S>>, after: Option<&Stamped<S>>) -> [S; 3] {
         let turned =
-            |sample: &Stamped<S>| self.pose(seconds(sample.time_ns.saturating_sub(self.start_ns))).turn(sample.value);
+            |sample: &Stamped<S>| self.pose(seconds(sample.time_ns.saturating_sub(self.start_ns))).rotate(sample.value);
         match (before, after) {
             (Some(before), Some(after)) => {
                 let down = blend(turned(before), turned(after), part(before, after, self.start_ns, S::ZERO));
@@ -217,7 +217,7 @@ impl<S: Scalar, const N: usize> Motion<S> for FrameMotion<'_, S, N> {
                 Some(end) => (from_ns, from_s) = end,
                 None => {
                     let (velocity, rate) = self.twist(&stretch, time_s);
-                    return Pose { velocity_m_s: pose.turn(velocity), rate_rad_s: pose.turn(rate), ..pose };
+                    return Pose { velocity_m_s: pose.rotate(velocity), rate_rad_s: pose.rotate(rate), ..pose };
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::checked::{checked_direction, checked_rate, checked_velocity};
 use super::motion::{Motion, Pose};
-use super::turn::Turn;
+use super::rotation::Rotation;
 use crate::error::ParameterError;
 use crate::scalar::{Scalar, scale};
 
@@ -66,7 +66,7 @@ impl<S: Scalar> Motion<S> for Twist<S> {
     fn pose(&self, time_s: S) -> Pose<S> {
         Pose {
             position_m: scale(self.velocity_m_s, time_s),
-            rotation: Turn::by(scale(self.rate_rad_s, time_s)).rotation(),
+            rotation: Rotation::from_vector(scale(self.rate_rad_s, time_s)).matrix(),
             velocity_m_s: self.velocity_m_s,
             rate_rad_s: self.rate_rad_s,
         }
