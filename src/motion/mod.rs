@@ -1,4 +1,4 @@
-//! Where the camera is at any time of a frame, and where down is.
+//! Where the camera is at any time of a frame, and which way is down.
 
 mod rotation;
 mod motion;

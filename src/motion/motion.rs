@@ -1,4 +1,4 @@
-//! [`Motion`]: where the camera is at any time of the frame, and where down is.
+//! [`Motion`]: where the camera is at any time of the frame, and which way is down.
 
 use super::rotation::Rotation;
 use crate::scalar::{Scalar, add, dot, scale};
@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, add, dot, scale};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pose<S> {
-    /// Position since frame start in metres.
+    /// Position in metres; zero at frame start.
     pub position_m: [S; 3],
     /// Rotation matrix from the camera's axes at this time to those at frame start, as rows.
     pub rotation: [[S; 3]; 3],
@@ -18,7 +18,7 @@ pub struct Pose<S> {
 }
 
 impl<S: Scalar> Pose<S> {
-    /// Frame start itself, at rest.
+    /// The pose at frame start, at rest.
     pub(crate) const START: Self = Self {
         position_m: [S::ZERO; 3],
         rotation: [[S::ONE, S::ZERO, S::ZERO], [S::ZERO, S::ONE, S::ZERO], [S::ZERO, S::ZERO, S::ONE]],
@@ -45,8 +45,8 @@ impl<S: Scalar> Pose<S> {
 
 /// A camera's motion during one frame.
 ///
-/// [`Twist`] is the usual one, [`Trajectory`](crate::Trajectory) makes one of what sensors deliver; implement the trait
-/// for anything else. At time zero the position must be zero and the rotation none.
+/// [`Twist`](crate::Twist) is the usual one, and [`Trajectory`](crate::Trajectory) makes one from what sensors deliver;
+/// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
     /// Pose `time_s` seconds after frame start. Called up to three times for each knot of a line.
     fn pose(&self, time_s: S) -> Pose<S>;
