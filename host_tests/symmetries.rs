@@ -7,7 +7,7 @@ use crate::projection::Scene;
 use crate::scenes::{line_of, range_of, seeded};
 
 /// Scenes in which the edge stays in the image and moves by a few pixels at least.
-fn scenes() -> impl Strategy<Value = Scene> {
+pub(crate) fn scenes() -> impl Strategy<Value = Scene> {
     let motion = (-3.0..3.0, -0.2..0.2, -2.0..2.0);
     let rate = (-0.5..0.5, -0.5..0.5, -0.5..0.5);
     let gravity = (-0.2..0.2, -0.3..0.3);
