@@ -2,11 +2,12 @@
 
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
-    ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Sequence, Setup, Twist,
+    EdgePoint, ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Sequence,
+    Setup, Twist,
 };
 
 use crate::projection;
-use crate::scenes::{TENTH_DEGREE, tilt_of};
+use crate::scenes::{TENTH_DEGREE, line_of, tilt_of};
 
 const HALF_DEGREE: f64 = 5.0 * TENTH_DEGREE;
 const EXPOSURE_S: f32 = 0.008;
@@ -109,6 +110,35 @@ fn the_budget_names_the_lens_only_where_its_blur_is_unknown() {
         dominant(MotionBlur::from_calibrated_lens(EXPOSURE_S, 0.7).with_sigma_lens_blur_px(0.001)),
         ErrorSource::Lens
     );
+}
+
+/// With a free tilt the depth comes from the blur alone: from the path B in a variance of lens² + 1/12 + B²/12.
+#[test]
+fn what_lens_and_shape_leave_open_is_in_the_sigma() {
+    const LENS_PX: f64 = 0.7;
+    let scene = projection::Scene { bearing: 0.0, ..projection::Scene::vga() };
+    let path_px = 600.0 * 1.5 / 2.0 * f64::from(EXPOSURE_S);
+    let variance_px2 = LENS_PX * LENS_PX + (1.0 + path_px * path_px) / 12.0;
+    let width_q8 = (variance_px2.sqrt() * 256.0).round() as u16;
+    // 0.01 px of noise, so that the widths' own counts for nothing.
+    let point = |point| EdgePoint { width_q8, sigma_q16: 655, ..point };
+    let points: Vec<_> = scene.points().into_iter().map(point).collect();
+    for sigma_lens_px in [0.001, 0.035, 0.144] {
+        let blur = MotionBlur::from_calibrated_lens(f64::from(EXPOSURE_S), LENS_PX);
+        let blur = blur.with_sigma_lens_blur_px(sigma_lens_px);
+        let setup = scene.setup_with::<f64>(tilt_of(1.0)).with_motion_blur(blur).expect("sound blur");
+        let range = Range::from_line(&setup, &scene.motion(), &line_of::<16>(&points));
+        // Each as a part of the inverse depth; 2 % of the variance is what the shape of an edge may cost.
+        let per_variance = 1.0 / (2.0 * path_px * path_px / 12.0);
+        let (lens, shape) = (2.0 * LENS_PX * sigma_lens_px * per_variance, 0.02 * variance_px2 * per_variance);
+        let estimate = &range.estimate;
+        assert_eq!(range.status, RangeStatus::Ok, "{range:?}");
+        // The noise of the widths' mean, a tenth of the shape's part, and what second order a path of 3.6 px has.
+        let stated = estimate.sigma_inverse_depth_per_m / estimate.inverse_depth_per_m;
+        assert!((stated / lens.hypot(shape) - 1.0).abs() < 0.05, "{sigma_lens_px} px: {stated}, {lens}, {shape}");
+        let part_of_lens = estimate.budget.lens_per_m / estimate.inverse_depth_per_m;
+        assert!((part_of_lens / lens - 1.0).abs() < 0.05, "{sigma_lens_px} px: {part_of_lens} for {lens}");
+    }
 }
 
 /// From the second frame on the depth is known without the blur, so the blur tells the lens.

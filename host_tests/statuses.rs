@@ -1,6 +1,6 @@
 //! Every status of a range, reached the way a user would.
 
-use shutter_range::{EdgePoint, Line, Range, RangeStatus, Sigmas, Uncertainty};
+use shutter_range::{EdgePoint, Interval, Line, MotionBlur, Range, RangeStatus, Sigmas, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
@@ -107,6 +107,36 @@ fn a_camera_on_its_side_is_sideways() {
         assert_eq!(range.status, RangeStatus::Sideways, "{gravity:?}");
         assert_eq!(range.estimate.sigma_inverse_depth_per_m, 1e6);
         assert!(range.column_at_first_row.is_finite());
+    }
+}
+
+/// An edge that leans, with the width of one that does not move: its numbers look sound.
+fn leaning() -> Range<f32> {
+    let scene = Scene::vga();
+    let blur = MotionBlur::from_calibrated_lens(0.008, 0.7);
+    let setup = scene.setup_with(tilt_of(TENTH_DEGREE)).with_motion_blur(blur).expect("sound blur");
+    // √(0.7² + 1/12) px.
+    let points: Vec<_> = scene.points().into_iter().map(|point| EdgePoint { width_q8: 194, ..point }).collect();
+    Range::from_line(&setup, &scene.motion(), &line_of::<16>(&points))
+}
+
+#[test]
+fn a_range_hands_out_no_more_than_its_status_allows() {
+    let seven: Vec<_> = Scene::vga().points().into_iter().step_by(70).collect();
+    let short = range_of::<f32>(&Scene::vga(), Uncertainty::NONE, &seven);
+    let (two, estimate) = (Sigmas(2.0), &short.estimate);
+    assert_eq!((short.status, estimate.status()), (RangeStatus::Short, RangeStatus::Ok), "{short:?}");
+    for (allowed, by_numbers) in
+        [(short.depth(two), estimate.depth(two)), (short.distance(two), estimate.distance(two))]
+    {
+        assert!(by_numbers.estimate_m.is_some() && by_numbers.nearest_m.is_some());
+        assert_eq!(allowed, Interval { estimate_m: None, ..by_numbers }, "bounds, but no most likely value");
+    }
+    let leaning = leaning();
+    let estimate = &leaning.estimate;
+    assert_eq!((leaning.status, estimate.status()), (RangeStatus::Leaning, RangeStatus::Ok), "{leaning:?}");
+    for interval in [leaning.depth(two), leaning.distance(two)] {
+        assert_eq!(interval, Interval { estimate_m: None, nearest_m: None, farthest_m: None }, "nothing");
     }
 }
 
