@@ -1,5 +1,4 @@
-//! A first look without a camera: the simulator renders a street of posts row by row, and each range is printed as its
-//! line ends.
+//! No camera is needed: the simulator renders a street of posts row by row, and each range is printed as its line ends.
 //!
 //! Desktop: `cargo run --release --example frames`
 //! Board (emulated Cortex-M4F, 16 KiB of RAM): `cargo run --release --example frames --target thumbv7em-none-eabihf`

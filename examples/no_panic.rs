@@ -62,7 +62,7 @@ fn run(ranger: &mut Tables) -> Result<bool, ParameterError> {
     let setup = setup()?;
     let motion = Twist::new([-2.0_f32, 0.0, 0.1], [0.0, 0.02, 0.0], [0.0, 1.0, 0.0])?;
     let mut pixels = [0_u8; COLUMNS];
-    let (mut from_pixels, mut from_edges) = (false, false);
+    let (mut from_pixels, mut from_points) = (false, false);
     for row in 0..ROWS {
         paint(row, &mut pixels);
         let _ = ranger.row(&setup, row, &pixels);
@@ -72,8 +72,8 @@ fn run(ranger: &mut Tables) -> Result<bool, ParameterError> {
         from_pixels |= range.estimate.inverse_depth_per_m > 0.0;
     }
     for row in 0..ROWS {
-        let edge = EdgePoint::new(row, (60 << 16) + 10_000 * i32::from(row), setup.readout().row_time_ns(row));
-        let _ = ranger.edge_point(&setup, edge);
+        let point = EdgePoint::new(row, (60 << 16) + 10_000 * i32::from(row), setup.readout().row_time_ns(row));
+        let _ = ranger.edge_point(&setup, point);
     }
     ranger.end_frame(&setup);
     let trajectory = drive();
@@ -82,13 +82,13 @@ fn run(ranger: &mut Tables) -> Result<bool, ParameterError> {
     let mut lens = LensBlur::new(MotionBlur::from_exposure(0.001));
     for _ in 0..2 {
         sequence.frame(&setup, &motion, ranger, |range| {
-            from_edges |= range.status == RangeStatus::Ok && range.distance(Sigmas(2.0)).farthest_m.is_some();
+            from_points |= range.status == RangeStatus::Ok && range.distance(Sigmas(2.0)).farthest_m.is_some();
             lens.learn(&range);
         });
         sequence.advance(&setup, &motion.pose(0.017), 0.017, motion.gravity())?;
     }
     let setup = setup.with_motion_blur(lens.motion_blur())?;
-    Ok(from_pixels && from_edges && setup.motion_blur().is_some())
+    Ok(from_pixels && from_points && setup.motion_blur().is_some())
 }
 
 #[cfg(not(target_os = "none"))]

@@ -1,5 +1,5 @@
-//! A camera that stands still beside a road, and a van that passes: the relative velocity makes the van's edges ranges, and
-//! from the second frame on it is known how far each of them leans.
+//! A camera stands still beside a road, and a van passes: with the relative velocity the van's edges have ranges, and from the
+//! second frame on the lean of each of them is known.
 //!
 //! Desktop: `cargo run --release --example passing`
 //! Board (emulated Cortex-M4F): `cargo run --release --example passing --target thumbv7em-none-eabihf`
@@ -13,7 +13,7 @@ use shutter_range::{
     EdgePoint, Motion, ParameterError, Polarity, Range, Ranger, Sequence, Setup, Sigmas, Twist, Uncertainty,
 };
 
-/// An edge of the van: where it is at first, and how it leans.
+/// An edge of the van: its place at first, and its lean as a slope.
 struct Pillar {
     x_m: f32,
     z_m: f32,
@@ -21,7 +21,7 @@ struct Pillar {
     polarity: Polarity,
 }
 
-/// The van drives to the right and comes a little nearer, as a radar has it.
+/// The van drives to the right and comes a little nearer: its velocity, as a radar would measure it.
 const VAN_M_S: [f32; 3] = [8.0, 0.0, -0.5];
 const PILLARS: [Pillar; 3] = [
     Pillar { x_m: -3.2, z_m: 7.0, lean: 0.0, polarity: Polarity::Rising },
@@ -38,16 +38,16 @@ fn setup() -> Result<Setup<f32>, ParameterError> {
 }
 
 /// What an edge detector would deliver: the true column and some noise.
-fn edge_of(pillar: &Pillar, setup: &Setup<f32>, frame: u8, row: u16, noise: i32) -> Option<EdgePoint> {
+fn point_of(pillar: &Pillar, setup: &Setup<f32>, frame: u8, row: u16, noise: i32) -> Option<EdgePoint> {
     let time_ns = setup.readout().row_time_ns(row);
     let time_s = f32::from(frame) * INTERVAL_S + time_ns as f32 * 1e-9;
     let [vx, _, vz] = VAN_M_S;
     let w = (f32::from(row) - setup.camera().intrinsics().cy) / setup.camera().intrinsics().fy;
     let u = (pillar.x_m + vx * time_s) / (pillar.z_m + vz * time_s) + pillar.lean * w;
     let (column, _) = setup.camera().pixel(u, w);
-    let edge = EdgePoint::new(row, (column * 65536.0) as i32 + noise, time_ns);
-    let edge = edge.with_polarity(pillar.polarity).with_sigma_q16(4729);
-    setup.camera().contains(edge.column_q16, row).then_some(edge)
+    let point = EdgePoint::new(row, (column * 65536.0) as i32 + noise, time_ns);
+    let point = point.with_polarity(pillar.polarity).with_sigma_q16(4729);
+    setup.camera().contains(point.column_q16, row).then_some(point)
 }
 
 fn report(range: &Range<f32>) {
@@ -78,8 +78,8 @@ fn main() {
             for pillar in &PILLARS {
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 let noise = (random >> 18) as i32 - (1 << 13); // ±1/8 px, evenly: 0.072 px of sigma
-                if let Some(edge) = edge_of(pillar, &setup, frame, row, noise) {
-                    ranger.edge_point(&setup, edge).expect("rows come in order");
+                if let Some(point) = point_of(pillar, &setup, frame, row, noise) {
+                    ranger.edge_point(&setup, point).expect("rows come in order");
                 }
             }
         }

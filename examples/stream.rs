@@ -1,4 +1,4 @@
-//! A camera drives past posts; their edges are streamed row by row, and each range is printed as its line ends.
+//! A camera drives past posts; the points of their edges are streamed row by row, and each range is printed as its line ends.
 //!
 //! Desktop: `cargo run --release --example stream`
 //! Board (emulated Cortex-M4F): `cargo run --release --example stream --target thumbv7em-none-eabihf`
@@ -10,7 +10,7 @@ mod board;
 use board::say;
 use shutter_range::{EdgePoint, ParameterError, Polarity, Range, Ranger, Setup, Sigmas, Twist};
 
-/// An edge of a post: bearing at frame start, depth, lean as a slope, and the rows where it is seen.
+/// An edge of a post: bearing and depth at frame start, lean as a slope, and the rows that show it.
 struct Post {
     bearing: f32,
     depth_m: f32,
@@ -61,9 +61,9 @@ fn main() {
         for post in POSTS.iter().filter(|post| post.rows.contains(&row)) {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let noise = (random >> 18) as i32 - (1 << 13); // ±1/8 px, evenly: 0.072 px of sigma
-            let edge = EdgePoint::new(row, column_q16(post, &setup, row, noise), setup.readout().row_time_ns(row));
-            let edge = edge.with_polarity(Polarity::Rising).with_sigma_q16(4729);
-            if let Err(refused) = ranger.edge_point(&setup, edge) {
+            let point = EdgePoint::new(row, column_q16(post, &setup, row, noise), setup.readout().row_time_ns(row));
+            let point = point.with_polarity(Polarity::Rising).with_sigma_q16(4729);
+            if let Err(refused) = ranger.edge_point(&setup, point) {
                 say!("{refused}");
             }
         }

@@ -22,7 +22,7 @@ fn parallel_edges(apart_px: f64, width_px: f64, count: u16) -> Vec<EdgePoint> {
     let rows = 0..scene.rows;
     let edge = |row, index| {
         let column_px = 200.0 + 0.02 * f64::from(row) + apart_px * f64::from(index);
-        let mut point = scene.edge_at(row, column_px).with_polarity(Polarity::Rising).with_sigma_q16(q16(0.05) as u32);
+        let mut point = scene.point_at(row, column_px).with_polarity(Polarity::Rising).with_sigma_q16(q16(0.05) as u32);
         point.width_q8 = (width_px * 256.0) as u16;
         point
     };

@@ -17,7 +17,7 @@ fn camera(intrinsics: Intrinsics<f64>) -> ParameterError {
 }
 
 #[test]
-fn cameras() {
+fn a_camera_refuses_nonsense_by_the_name_of_its_parameter() {
     for nonsense in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -600.0, 1e9] {
         assert_eq!(camera(Intrinsics { fx: nonsense, ..GOOD }).parameter, "fx");
         assert_eq!(camera(Intrinsics { fy: nonsense, ..GOOD }).parameter, "fy");
@@ -37,7 +37,7 @@ fn cameras() {
 }
 
 #[test]
-fn motions() {
+fn a_motion_refuses_nonsense_by_the_name_of_its_parameter() {
     let down = [0.0, 1.0, 0.0];
     for nonsense in [f64::NAN, f64::INFINITY, 1e6] {
         let vector = [0.0, nonsense, 0.0];
@@ -51,7 +51,7 @@ fn motions() {
 }
 
 #[test]
-fn setups() {
+fn a_setup_refuses_nonsense_by_the_name_of_its_parameter() {
     let camera = Camera::new(GOOD, Distortion::NONE).expect("sound");
     let readout = |rows| Readout::from_line_time_ps(rows, 69_444_444, Default::default()).expect("sound");
     let parameter = |rows, uncertainty, limits| {
@@ -72,7 +72,7 @@ fn setups() {
 }
 
 #[test]
-fn edges() {
+fn a_ranger_refuses_points_that_cannot_be_and_says_why() {
     let setup = Scene::vga().setup::<f64>();
     let mut ranger: Ranger<4, 8, 4> = Ranger::new();
     let outside = [(0, 641 << 16), (0, -(2 << 16)), (480, 5 << 16), (u16::MAX, 0), (0, i32::MAX), (0, i32::MIN)];
@@ -113,7 +113,7 @@ fn errors_read_like_sentences() {
 }
 
 #[test]
-fn samples() {
+fn a_fit_refuses_samples_that_cannot_be_and_says_which() {
     let scene = Scene::vga();
     let (setup, motion) = (scene.setup::<f64>(), scene.motion());
     let sample = |row: u16| Sample::point(scene.column(row), f64::from(row), scene.time_s(row), 0.1);
@@ -133,7 +133,7 @@ fn samples() {
             assert_eq!(fit_of(&[sample(0), broken]), Err(FitError::InvalidSample(1)));
         }
     }
-    // All at one place and time: no motion to speak of, and no NaN.
+    // All at one place and time: the motion says nothing, and no number is NaN.
     let nothing = fit_of(&[sample(7); 5]).expect("sound, if useless");
     assert_eq!(nothing.sigma_inverse_depth_per_m, 1e6);
     assert!(nothing.bearing.is_finite() && nothing.correlation.is_finite());
@@ -142,10 +142,10 @@ fn samples() {
 proptest! {
     #![proptest_config(seeded(300))]
 
-    /// Any stream of edges whatever: no panic, and every number that comes out is finite.
+    /// No panic, and every number that comes out is finite.
     #[test]
-    fn any_stream(
-        edges in proptest::collection::vec((0..500_u16, -50_000_000..50_000_000_i32, any::<i64>(), any::<u32>(), any::<bool>()), 0..300),
+    fn any_stream_of_points_gives_finite_numbers(
+        points in proptest::collection::vec((0..500_u16, -50_000_000..50_000_000_i32, any::<i64>(), any::<u32>(), any::<bool>()), 0..300),
         velocity in proptest::array::uniform3(-100.0..100.0_f64),
         sorted in any::<bool>(),
         stamped in any::<bool>(),
@@ -153,12 +153,12 @@ proptest! {
         let scene = Scene::vga();
         let setup = scene.setup_with(Uncertainty::<f32>::default());
         let motion = Twist::level(velocity.map(|v| v as f32)).expect("finite");
-        let mut edges = edges;
+        let mut points = points;
         if sorted {
-            edges.sort();
+            points.sort();
         }
         let mut ranger: Ranger<4, 4, 4> = Ranger::new();
-        for (row, column_q16, time_ns, sigma_q16, end) in edges {
+        for (row, column_q16, time_ns, sigma_q16, end) in points {
             let time_ns = if stamped { time_ns % 3_600_000_000_000 } else { setup.readout().row_time_ns(row) };
             // Refusals are answers here.
             let _ = ranger.edge_point(&setup, EdgePoint::new(row, column_q16, time_ns).with_sigma_q16(sigma_q16));

@@ -39,6 +39,12 @@ fn range_of<'a>(found: &'a [Range<f32>], truth: &Truth) -> Option<&'a Range<f32>
 /// Every edge of the post is found, with an honest sigma, and nothing else.
 #[test]
 fn crossing_bars_lead_no_line_astray() {
+    // 95.4 % less two sigma of a share of 80.
+    const LEAST_PERCENT_INSIDE: usize = 91;
+    // The Cramér–Rao bound of 0.08 % knows texture and bars; not to know them costs a factor of eight here, twelve at most.
+    const MOST_RMS: f64 = 0.01;
+    // What crosses behind the post can be as steep as an edge in motion, once in so many frames.
+    const MOST_WRONG: usize = 1;
     let mut random = StdRng::seed_from_u64(1);
     let exposure = Exposure { time_s: 0.004, ..Exposure::default() };
     let world = moving(1.5);
@@ -52,8 +58,8 @@ fn crossing_bars_lead_no_line_astray() {
         let found = ranges_of(&mut ranger, &setup, &world, &frame);
         for truth in &truths {
             match range_of(&found, truth).map(|range| errors(range, truth)) {
-                Some((off, sigmas)) => {
-                    relative.push(off);
+                Some((error, sigmas)) => {
+                    relative.push(error);
                     normal.push(sigmas);
                 }
                 None => missed += 1,
@@ -64,15 +70,16 @@ fn crossing_bars_lead_no_line_astray() {
         };
         wrong += found.iter().filter(|range| range.status == RangeStatus::Ok && !is_of_post(range)).count();
     }
-    let rms = (relative.iter().map(|off| off * off).sum::<f64>() / relative.len() as f64).sqrt();
+    let rms = (relative.iter().map(|error| error * error).sum::<f64>() / relative.len() as f64).sqrt();
     let inside = normal.iter().filter(|sigmas| sigmas.abs() < 2.0).count();
+    println!("{inside} of {} inside two sigma, RMS {rms:.4}, {wrong} wrong", normal.len());
     assert!(missed == 0, "{missed} of {}", normal.len() + missed);
-    assert!(inside * 100 >= normal.len() * 91, "{inside} of {} inside two sigma", normal.len());
-    assert!(rms < 0.01, "{rms}");
-    assert!(wrong <= 1, "{wrong} in {FRAMES} frames");
+    assert!(inside * 100 >= normal.len() * LEAST_PERCENT_INSIDE, "{inside} of {} inside two sigma", normal.len());
+    assert!(rms < MOST_RMS, "{rms}");
+    assert!(wrong <= MOST_WRONG, "{wrong} in {FRAMES} frames");
 }
 
-/// Hardly ever: where a texture has a straight edge without motion blur that leans as far as the motion does, it is one.
+/// But for a straight edge in it that happens to be as steep and as blurred as one in motion: once in 40 frames.
 #[test]
 fn texture_is_no_bar() {
     let mut taken = Vec::new();
@@ -93,12 +100,14 @@ fn texture_is_no_bar() {
     for one in &taken {
         println!("{one:?}");
     }
-    assert!(taken.len() <= 1, "in 40 frames: {taken:#?}");
+    assert!(taken.len() <= 1, "more than one in 40 frames: {taken:#?}");
 }
 
 /// One post ends where another one begins, a little to the side of it or right below: two edges, not one with a kink.
 #[test]
-fn posts_above_each_other() {
+fn posts_above_each_other_stay_two_edges() {
+    // Three sigma for 144 edges, and some more: where the posts meet, a few rows show a blend of both.
+    const MOST_SIGMAS: f64 = 5.0;
     let world = moving(1.5);
     let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
     // Both right sides are near column 174 in the middle row.
@@ -120,7 +129,8 @@ fn posts_above_each_other() {
                     let range = found.iter().find(is_it).filter(|range| range.status == RangeStatus::Ok);
                     let sigmas = range.map(|range| errors(range, truth).1.abs());
                     let name = format!("{upper_m} m above {lower_m} m, gap {gap_m}, seed {seed}");
-                    assert!(sigmas.is_some_and(|sigmas| sigmas < 5.0), "{name}: {sigmas:?} of {truth:?} in {found:#?}");
+                    let is_near = sigmas.is_some_and(|sigmas| sigmas < MOST_SIGMAS);
+                    assert!(is_near, "{name}: {sigmas:?} of {truth:?} in {found:#?}");
                 }
             }
         }

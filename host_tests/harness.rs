@@ -1,7 +1,7 @@
 //! A file without its `mod` line would silently never run.
 
 #[test]
-fn every_file_is_a_module() {
+fn every_file_is_a_module_of_the_harness() {
     let listed = include_str!("main.rs");
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/host_tests");
     for entry in std::fs::read_dir(folder).expect("the folder of this file") {

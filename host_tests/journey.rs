@@ -71,14 +71,14 @@ impl Path {
 /// How what is known of the camera differs from the truth, in every frame alike.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Disturbance {
-    /// Relative.
+    /// Relative error.
     pub(crate) speed: f64,
     pub(crate) rate_rad_s: Vector,
-    /// Of gravity in the camera's axes, in radians: roll, nothing, pitch.
+    /// Change of the direction of gravity in the camera's axes, in radians: roll, nothing, pitch.
     pub(crate) gravity: Vector,
-    /// Relative.
+    /// Relative error.
     pub(crate) readout: f64,
-    /// Relative.
+    /// Relative error.
     pub(crate) focal: f64,
 }
 
@@ -95,12 +95,12 @@ impl<S: Scalar> Motion<S> for Known {
         let (start, now) = (self.path.place(self.start_s), self.path.place(self.start_s + time_s));
         let Disturbance { speed, rate_rad_s, .. } = self.disturbance;
         let back = transposed(start.rotation);
-        let off = std::array::from_fn(|axis| (now.position_m[axis] - start.position_m[axis]) * (1.0 + speed));
+        let moved_m = std::array::from_fn(|axis| (now.position_m[axis] - start.position_m[axis]) * (1.0 + speed));
         let velocity = times(back, self.path.velocity_at(self.start_s + time_s));
         let turned = product(rotation(rate_rad_s.map(|rate| rate * time_s)), product(back, now.rotation));
         let rate = std::array::from_fn(|axis| self.path.rate_rad_s[axis] + rate_rad_s[axis]);
         Pose {
-            position_m: times(back, off).map(S::from_f64),
+            position_m: times(back, moved_m).map(S::from_f64),
             rotation: turned.map(|row| row.map(S::from_f64)),
             velocity_m_s: velocity.map(|v| S::from_f64(v * (1.0 + speed))),
             rate_rad_s: Vector::map(rate, S::from_f64),
@@ -109,9 +109,9 @@ impl<S: Scalar> Motion<S> for Known {
 
     fn gravity(&self) -> [S; 3] {
         let down = times(transposed(self.path.place(self.start_s).rotation), [0.0, 1.0, 0.0]);
-        let off: Vector = std::array::from_fn(|axis| down[axis] + self.disturbance.gravity[axis]);
-        let length = off.iter().map(|c| c * c).sum::<f64>().sqrt();
-        off.map(|c| S::from_f64(c / length))
+        let known: Vector = std::array::from_fn(|axis| down[axis] + self.disturbance.gravity[axis]);
+        let length = known.iter().map(|c| c * c).sum::<f64>().sqrt();
+        known.map(|c| S::from_f64(c / length))
     }
 }
 
@@ -122,7 +122,7 @@ pub(crate) struct Journey {
     pub(crate) path: Path,
     pub(crate) interval_s: f64,
     pub(crate) sigma_px: f64,
-    /// Every how many rows there is an edge.
+    /// Rows from one point of an edge to the next.
     pub(crate) row_step: usize,
 }
 
@@ -158,15 +158,16 @@ impl Journey {
         Self { camera: Scene { readout_s, focal_px, ..camera.clone() }, ..self.clone() }
     }
 
-    /// Edges with the times that a camera of the readout `known` states.
-    pub(crate) fn stamped(known: &Scene, edges: Vec<EdgePoint>) -> Vec<EdgePoint> {
-        edges
+    /// Points with the times that a camera of the readout `known` states.
+    pub(crate) fn stamped(known: &Scene, points: Vec<EdgePoint>) -> Vec<EdgePoint> {
+        points
             .into_iter()
-            .map(|edge| EdgePoint { time_ns: (known.time_s(edge.row) * 1e9).round() as i64, ..edge })
+            .map(|point| EdgePoint { time_ns: (known.time_s(point.row) * 1e9).round() as i64, ..point })
             .collect()
     }
 
-    fn seen(&self, post: &Post, time_s: f64) -> (Vector, Vector) {
+    /// A point of a post and its direction, in the camera's axes at a time.
+    fn in_camera(&self, post: &Post, time_s: f64) -> (Vector, Vector) {
         let place = self.path.place(time_s);
         let back = transposed(place.rotation);
         let foot =
@@ -175,7 +176,7 @@ impl Journey {
     }
 
     pub(crate) fn truth(&self, post: &Post, frame: u32) -> Truth {
-        let (foot, down) = self.seen(post, self.start_s(frame));
+        let (foot, down) = self.in_camera(post, self.start_s(frame));
         let along = -foot[1] / down[1];
         let [x, z] = [foot[0] + along * down[0], foot[2] + along * down[2]];
         Truth { bearing: x / z, inverse_depth_per_m: 1.0 / z }
@@ -184,7 +185,7 @@ impl Journey {
     /// Column at which a post crosses a row of a frame; `None` outside the image or behind the camera.
     pub(crate) fn column(&self, post: &Post, frame: u32, row: u16) -> Option<f64> {
         let camera = &self.camera;
-        let (a, b) = self.seen(post, self.start_s(frame) + camera.time_s(row));
+        let (a, b) = self.in_camera(post, self.start_s(frame) + camera.time_s(row));
         let w = (f64::from(row) - camera.cy) / camera.focal_px;
         let along = (w * a[2] - a[1]) / (b[1] - w * b[2]);
         let depth = a[2] + along * b[2];
@@ -192,23 +193,23 @@ impl Journey {
         (depth > 0.0 && (0.0..f64::from(camera.columns - 1)).contains(&column)).then_some(column)
     }
 
-    /// The noisy edges of a frame, row by row from left to right.
-    pub(crate) fn edges(&self, posts: &[Post], frame: u32, random: &mut StdRng) -> Vec<EdgePoint> {
-        let mut edges = Vec::new();
+    /// The noisy points of a frame, row by row and each row from left to right.
+    pub(crate) fn points(&self, posts: &[Post], frame: u32, random: &mut StdRng) -> Vec<EdgePoint> {
+        let mut points = Vec::new();
         for row in (0..self.camera.rows).step_by(self.row_step) {
             let mut of_row: Vec<_> = posts
                 .iter()
                 .filter_map(|post| {
                     let noise: f64 = random.sample(StandardNormal);
                     let column = self.column(post, frame, row)? + noise * self.sigma_px;
-                    let edge = self.camera.edge_at(row, column).with_polarity(post.polarity);
-                    Some(edge.with_sigma_q16(q16(self.sigma_px) as u32))
+                    let point = self.camera.point_at(row, column).with_polarity(post.polarity);
+                    Some(point.with_sigma_q16(q16(self.sigma_px) as u32))
                 })
                 .collect();
-            of_row.sort_by_key(|edge| edge.column_q16);
-            edges.extend(of_row);
+            of_row.sort_by_key(|point| point.column_q16);
+            points.extend(of_row);
         }
-        edges
+        points
     }
 
     pub(crate) fn setup<S: Scalar>(&self, uncertainty: Uncertainty<S>) -> Setup<S> {
@@ -235,9 +236,9 @@ impl<S: Scalar, M: Fn(u32) -> Known> Drive<S, M> {
     }
 
     /// The ranges of the next frame, from left to right.
-    pub(crate) fn frame(&mut self, edges: &[EdgePoint]) -> Vec<Range<S>> {
-        for edge in edges {
-            self.ranger.edge_point(&self.setup, *edge).expect("sound edges");
+    pub(crate) fn frame(&mut self, points: &[EdgePoint]) -> Vec<Range<S>> {
+        for point in points {
+            self.ranger.edge_point(&self.setup, *point).expect("sound points");
         }
         self.ranger.end_frame(&self.setup);
         let motion = (self.motion)(self.frame);
@@ -267,11 +268,11 @@ pub(crate) fn normal(random: &mut StdRng) -> f64 {
 
 /// Error of the inverse depth: relative, and in units of the stated sigma.
 pub(crate) fn errors<S: Scalar>(range: &Range<S>, truth: &Truth) -> (f64, f64) {
-    let off = range.estimate.inverse_depth_per_m.to_f64() - truth.inverse_depth_per_m;
-    (off / truth.inverse_depth_per_m, off / range.estimate.sigma_inverse_depth_per_m.to_f64())
+    let error = range.estimate.inverse_depth_per_m.to_f64() - truth.inverse_depth_per_m;
+    (error / truth.inverse_depth_per_m, error / range.estimate.sigma_inverse_depth_per_m.to_f64())
 }
 
-/// A range of a single post with its errors, frame by frame.
+/// The range of a single post with its errors, frame by frame.
 pub(crate) fn follow<S: Scalar>(
     journey: &Journey,
     disturbance: Disturbance,
@@ -285,8 +286,8 @@ pub(crate) fn follow<S: Scalar>(
     let mut drive = Drive::new(journey.setup(uncertainty), journey.interval_s, known);
     let mut result = Vec::new();
     for frame in 0..frames {
-        let edges = Journey::stamped(&journey.camera, real.edges(&[*post], frame, random));
-        let ranges = drive.frame(&edges);
+        let points = Journey::stamped(&journey.camera, real.points(&[*post], frame, random));
+        let ranges = drive.frame(&points);
         let [range] = ranges.as_slice() else { panic!("frame {frame}: {ranges:#?}") };
         let (relative, normal) = errors(range, &real.truth(post, frame));
         result.push((*range, relative, normal));

@@ -14,9 +14,9 @@ fn the_constructors_agree() {
     assert_eq!(by_frame, by_line);
 }
 
-/// Timing of real sensors: line length, clock, sensor rows for the rows of the image, line time in ps.
+/// Rows, line length in clocks, clock in Hz, sensor rows for the rows of the image, and the line time in ps.
 #[test]
-fn line_lengths_of_real_sensors() {
+fn line_lengths_of_real_sensors_give_their_line_times() {
     let cases = [
         ("OV7725 QVGA at 48 MHz, two clocks a pixel", 240, 2 * 576, 48_000_000, 240, 24_000_000),
         ("OV2640 UXGA at 36 MHz", 1200, 1922, 36_000_000, 1200, 53_388_889),
@@ -45,7 +45,7 @@ fn nonsense_is_refused_by_name() {
 }
 
 #[test]
-fn rows_outside_count_as_the_nearest() {
+fn rows_outside_count_as_the_nearest_inside() {
     let readout = Readout::from_line_time_ps(480, 1_000_000, DOWN).expect("sound");
     assert_eq!(readout.row_time_ns(u16::MAX), readout.row_time_ns(479));
 }
@@ -60,6 +60,7 @@ proptest! {
         let down = Readout::from_line_time_ps(rows, line_time_ps, DOWN).expect("sound");
         let up = Readout::from_line_time_ps(rows, line_time_ps, ReadoutDirection::BottomToTop).expect("sound");
         let exact_ns = f64::from(row) * line_time_ps as f64 / 1000.0;
+        // Half a nanosecond, and the rounding of `exact_ns`.
         prop_assert!((down.row_time_ns(row) as f64 - exact_ns).abs() <= 0.5001);
         prop_assert_eq!(up.row_time_ns(rows - 1 - row), down.row_time_ns(row));
     }

@@ -1,4 +1,4 @@
-//! What tests share: the reference edges, and setups, motions, edges and lines of a [`Scene`].
+//! What tests share: the reference edges, and setups, motions, points and lines of a [`Scene`].
 
 use proptest::test_runner::{Config, RngSeed};
 use serde::Deserialize;
@@ -62,7 +62,7 @@ impl ReferenceLine {
         }
     }
 
-    /// Rows, columns and times as they are.
+    /// A sample for each point, exact and with a noise of 0.1 px.
     pub(crate) fn samples<S: Scalar>(&self) -> Vec<Sample<S>> {
         let scene = self.scene();
         let sample = |(&row, &column): (&u16, &f64)| {
@@ -72,9 +72,9 @@ impl ReferenceLine {
         self.rows.iter().zip(&self.columns).map(sample).collect()
     }
 
-    pub(crate) fn edges(&self) -> Vec<EdgePoint> {
+    pub(crate) fn points(&self) -> Vec<EdgePoint> {
         let scene = self.scene();
-        self.rows.iter().zip(&self.columns).map(|(&row, &column)| scene.edge_at(row, column)).collect()
+        self.rows.iter().zip(&self.columns).map(|(&row, &column)| scene.point_at(row, column)).collect()
     }
 }
 
@@ -103,13 +103,13 @@ impl Scene {
         Twist::new(vector(self.velocity_m_s), vector(self.rate_rad_s), vector(self.gravity)).expect("sound motion")
     }
 
-    pub(crate) fn edge_at(&self, row: u16, column_px: f64) -> EdgePoint {
+    pub(crate) fn point_at(&self, row: u16, column_px: f64) -> EdgePoint {
         EdgePoint::new(row, q16(column_px), (self.time_s(row) * 1e9).round() as i64)
     }
 
-    /// The exact edge on every row that sees it.
-    pub(crate) fn edges(&self) -> Vec<EdgePoint> {
-        self.visible_rows().into_iter().map(|row| self.edge_at(row, self.column(row))).collect()
+    /// The exact point of the edge on every row that shows it.
+    pub(crate) fn points(&self) -> Vec<EdgePoint> {
+        self.visible_rows().into_iter().map(|row| self.point_at(row, self.column(row))).collect()
     }
 }
 
@@ -117,18 +117,18 @@ pub(crate) fn q16(column_px: f64) -> i32 {
     (column_px * 65536.0).round() as i32
 }
 
-pub(crate) fn line_of<const KNOTS: usize>(edges: &[EdgePoint]) -> Line<KNOTS> {
-    let (first, rest) = edges.split_first().expect("at least one edge");
+pub(crate) fn line_of<const KNOTS: usize>(points: &[EdgePoint]) -> Line<KNOTS> {
+    let (first, rest) = points.split_first().expect("at least one point");
     let mut line = Line::new(*first);
-    for edge in rest {
-        line.push(*edge).expect("rows in order");
+    for point in rest {
+        line.push(*point).expect("rows in order");
     }
     line
 }
 
-/// The range of a scene's edges through a line of 16 knots.
-pub(crate) fn range_of<S: Scalar>(scene: &Scene, uncertainty: Uncertainty<S>, edges: &[EdgePoint]) -> Range<S> {
-    Range::from_line(&scene.setup_with(uncertainty), &scene.motion(), &line_of::<16>(edges))
+/// The range of points of a scene through a line of 16 knots.
+pub(crate) fn range_of<S: Scalar>(scene: &Scene, uncertainty: Uncertainty<S>, points: &[EdgePoint]) -> Range<S> {
+    Range::from_line(&scene.setup_with(uncertainty), &scene.motion(), &line_of::<16>(points))
 }
 
 /// An uncertainty of nothing but tilt.

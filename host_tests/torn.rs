@@ -5,7 +5,7 @@ use shutter_range::{ReadoutDirection, RowError, Setup, Uncertainty};
 
 use crate::frames::{COLUMNS, Frame, ROWS, SmallRanger, TOP, assert_found, moving, post, ranges_of, render};
 
-/// A frame as it should be; then a torn one, as `tear` tears it, which yields nothing; then again one as it should be.
+/// A whole frame; then one that `tear` tears, which yields nothing; then again a whole one.
 fn assert_recovers(name: &str, direction: ReadoutDirection, tear: impl Fn(&mut SmallRanger, &Setup<f32>, &Frame)) {
     let world = moving(1.5);
     let (frame, truths) = render(&post(), &world, direction, Exposure::default(), 1);
@@ -34,7 +34,7 @@ fn feed(ranger: &mut SmallRanger, setup: &Setup<f32>, frame: &Frame, rows: u16) 
 }
 
 #[test]
-fn torn_frames() {
+fn torn_frames_yield_nothing_and_the_next_one_is_whole() {
     for direction in [TOP, ReadoutDirection::BottomToTop] {
         let bottom_up = direction == ReadoutDirection::BottomToTop;
         let row_at = |index: u16| if bottom_up { 239 - index } else { index };
@@ -70,9 +70,9 @@ fn torn_frames() {
     }
 }
 
-/// A row too many after a whole frame, as when the end of the frame was overlooked.
+/// As when the end of the frame was overlooked.
 #[test]
-fn one_row_too_many() {
+fn one_row_too_many_tears_the_frame() {
     assert_recovers("the next frame's first row", TOP, |ranger, setup, frame| {
         feed(ranger, setup, frame, ROWS);
         assert!(matches!(ranger.row(setup, 0, &frame[0]), Err(RowError::Order { row: 0, .. })));

@@ -16,6 +16,11 @@ const EXACT: SensorClock = SensorClock { offset_ns: 0, max_gap_ns: 100 * MS as u
 const INSTANTS: StampConvention = StampConvention::Instant(EXACT);
 const MEANS: StampConvention = StampConvention::MeanSincePrevious(EXACT);
 
+/// Rounding of poses of up to a metre in double precision, a few steps.
+const ROUNDING: f64 = 1e-15;
+/// The same where roots and series of some terms come in.
+const ROUNDING_OF_ROTATION: f64 = 1e-12;
+
 fn streams(velocity: StampConvention) -> TrajectoryConfig {
     TrajectoryConfig { velocity, rate: Some(INSTANTS), gravity: None }
 }
@@ -110,8 +115,8 @@ fn same_as_the_twist<S: Scalar>(tolerance: f64) {
             let expected: Pose<S> = twist.pose(S::from_f64(seconds(time_ns)));
             let pose = motion.pose(S::from_f64(seconds(time_ns)));
             let rotation = expected.rotation.map(|row| row.map(S::to_f64));
-            let off = difference(&pose, expected.position_m.map(S::to_f64), rotation);
-            assert!(off < tolerance, "{time_ns} ns: {off}");
+            let error = difference(&pose, expected.position_m.map(S::to_f64), rotation);
+            assert!(error < tolerance, "{time_ns} ns: {error}");
             for (got, expected) in pose.velocity_m_s.into_iter().zip(velocity) {
                 assert!((got.to_f64() - expected).abs() < 10.0 * tolerance);
             }
@@ -122,8 +127,8 @@ fn same_as_the_twist<S: Scalar>(tolerance: f64) {
 
 #[test]
 fn a_constant_twist_is_a_twist() {
-    same_as_the_twist::<f64>(1e-15);
-    // One rounding at each stamp.
+    // One rounding at each stamp, of which there are up to twenty: 1e-16, 6e-8 and 2.3e-10 of numbers near one.
+    same_as_the_twist::<f64>(ROUNDING);
     same_as_the_twist::<f32>(5e-7);
     same_as_the_twist::<Micro>(5e-7);
     same_as_the_twist::<Q32>(1e-8);
@@ -145,9 +150,9 @@ fn an_arc_is_a_circle() {
             let position = [2.0 * radius * (angle / 2.0).sin().powi(2), 0.0, radius * sine];
             let rotation = [[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]];
             let pose = motion.pose(time_s);
-            assert!(difference(&pose, position, rotation) < 1e-12, "{yaw_rate} rad/s, {time_s} s");
-            assert!((pose.velocity_m_s[0] - 2.0 * sine).abs() < 1e-12);
-            assert!((pose.rate_rad_s[1] - yaw_rate).abs() < 1e-12);
+            assert!(difference(&pose, position, rotation) < ROUNDING_OF_ROTATION, "{yaw_rate} rad/s, {time_s} s");
+            assert!((pose.velocity_m_s[0] - 2.0 * sine).abs() < ROUNDING_OF_ROTATION);
+            assert!((pose.rate_rad_s[1] - yaw_rate).abs() < ROUNDING_OF_ROTATION);
         }
     }
 }
@@ -165,14 +170,14 @@ fn braking_is_exact() {
     for time_s in [-0.1, -0.08, 0.0, 0.005, 0.02, 0.1, 0.15] {
         let expected = at(seconds(start_ns) + time_s) - at(seconds(start_ns));
         let pose = motion.pose(time_s);
-        assert!((pose.position_m[2] - expected).abs() < 1e-15, "{time_s} s");
-        assert!((pose.velocity_m_s[2] - (2.0 - seconds(start_ns) - time_s)).abs() < 1e-15);
+        assert!((pose.position_m[2] - expected).abs() < ROUNDING, "{time_s} s");
+        assert!((pose.velocity_m_s[2] - (2.0 - seconds(start_ns) - time_s)).abs() < ROUNDING);
     }
 }
 
-/// The same ride by instants and by means; a mean taken for an instant is late by half a period.
+/// Declared as what they are, instants and means give the same ride.
 #[test]
-fn the_meaning_of_a_stamp() {
+fn a_mean_taken_for_an_instant_lags_by_half_a_period() {
     let speed = |t: f64| 2.0 - t;
     let period_ns = 20 * MS;
     let frame = |stamps, at_stamp: fn(f64) -> f64| {
@@ -184,10 +189,10 @@ fn the_meaning_of_a_stamp() {
         trajectory.frame(5 * period_ns, 0..=2 * period_ns).expect("covered").pose(0.04).position_m[0]
     };
     let exact = (speed(0.1) + speed(0.14)) / 2.0 * 0.04;
-    assert!((frame(INSTANTS, |t| t) - exact).abs() < 1e-15);
-    assert!((frame(MEANS, |t| t - 0.01) - exact).abs() < 1e-15);
+    assert!((frame(INSTANTS, |t| t) - exact).abs() < ROUNDING);
+    assert!((frame(MEANS, |t| t - 0.01) - exact).abs() < ROUNDING);
     let late = frame(INSTANTS, |t| t - 0.01) - exact;
-    assert!((late - 0.01 * 0.04).abs() < 1e-15, "{late}");
+    assert!((late - 0.01 * 0.04).abs() < ROUNDING, "{late}");
 }
 
 #[test]
@@ -200,13 +205,13 @@ fn means_are_constant_up_to_their_stamp() {
     for (time_s, x) in
         [(0.005, 0.005), (0.01, 0.02), (0.015, 0.035), (0.025, 0.065), (-0.005, -0.005), (-0.006, -0.014)]
     {
-        assert!((motion.pose(time_s).position_m[0] - x).abs() < 1e-15, "{time_s} s");
+        assert!((motion.pose(time_s).position_m[0] - x).abs() < ROUNDING, "{time_s} s");
     }
 }
 
-/// Camera time is stamp plus offset: a clock that is behind has a positive one.
+/// A clock that is behind has a positive offset.
 #[test]
-fn offsets_of_clocks() {
+fn camera_time_is_stamp_plus_offset() {
     for offset_ns in [-7_000_000_000_000, -3 * MS, 0, 4 * MS, 123_456_789_012_345] {
         let behind = SensorClock { offset_ns, ..EXACT };
         let mut trajectory: Trajectory<f64, 16> = Trajectory::new(TrajectoryConfig {
@@ -221,13 +226,13 @@ fn offsets_of_clocks() {
         }
         let pose = trajectory.frame(20 * MS, 0..=30 * MS).expect("covered").pose(0.03);
         let angle: f64 = 5.0 * (0.05 * 0.05 - 0.02 * 0.02);
-        assert!((pose.rotation[0][2] - angle.sin()).abs() < 1e-12, "{offset_ns}");
+        assert!((pose.rotation[0][2] - angle.sin()).abs() < ROUNDING_OF_ROTATION, "{offset_ns}");
     }
 }
 
-/// Odometry of 20 Hz and a gyroscope of 200 Hz on a clock of its own, against the integration of small steps.
+/// Odometry of 20 Hz and a gyroscope of 200 Hz on a clock of its own.
 #[test]
-fn streams_of_different_rates() {
+fn streams_of_different_rates_follow_an_integration_of_small_steps() {
     let gyro = SensorClock { offset_ns: 90_000_123, max_gap_ns: 6 * MS as u64 };
     let mut trajectory: Trajectory<f64, 64> = Trajectory::new(TrajectoryConfig {
         velocity: INSTANTS,
@@ -246,9 +251,9 @@ fn streams_of_different_rates() {
     let motion = trajectory.frame(start_ns, -33 * MS..=66 * MS).expect("covered");
     for time_ns in [-33 * MS, 2 * MS, 33 * MS, 66 * MS] {
         let (position, rotation) = WILD.pose(seconds(start_ns), seconds(start_ns + time_ns));
-        let off = difference(&motion.pose(seconds(time_ns)), position, rotation);
-        // The sideways swing of 3 Hz, cut to chords of 50 ms.
-        assert!(off < 1e-3, "{time_ns} ns: {off}");
+        let error = difference(&motion.pose(seconds(time_ns)), position, rotation);
+        // The sideways swing of 0.1 m/s at 3 Hz, cut to chords of 50 ms: 0.012 m/s for up to 66 ms.
+        assert!(error < 1e-3, "{time_ns} ns: {error}");
     }
 }
 
@@ -266,36 +271,40 @@ fn the_error_is_of_second_order() {
         at(-10 * MS).max(at(33 * MS)).max(at(100 * MS))
     };
     let errors = [4 * MS, 2 * MS, MS].map(error);
+    // h²/12 of a pitch rate whose change goes from −9 to 9 rad/s²: 1.5e-6.
     assert!(errors[2] < 2e-6, "{errors:?}");
     for pair in errors.windows(2) {
+        // Four, but for where stamps fall in the window.
         assert!((3.3..4.7).contains(&(pair[0] / pair[1])), "{errors:?}");
     }
 }
 
-/// The pose of the next frame's start, and back again.
+/// To the next frame's start, and back again.
 #[test]
-fn from_frame_to_frame() {
+fn poses_compose_from_frame_to_frame() {
+    // A few roundings at each of the 14 stamps in between.
+    const ROUNDING: f64 = 1e-14;
     let mut trajectory: Trajectory<f64, 64> = Trajectory::new(streams(INSTANTS));
     WILD.feed(&mut trajectory, 0, 5 * MS);
     let (first_ns, interval_ns) = (100 * MS, 35 * MS);
     let here = trajectory.frame(first_ns, 0..=70 * MS).expect("covered");
     let there = trajectory.frame(first_ns + interval_ns, -interval_ns..=interval_ns).expect("covered");
     let (step, next) = (here.pose(0.035), there.pose(0.02));
-    let onwards = [0, 1, 2].map(|axis| step.position_m[axis] + step.turn(next.position_m)[axis]);
+    let onwards = [0, 1, 2].map(|axis| step.position_m[axis] + step.rotate(next.position_m)[axis]);
     let direct = here.pose(0.055);
-    assert!(onwards.iter().zip(direct.position_m).all(|(a, b)| (a - b).abs() < 1e-14));
+    assert!(onwards.iter().zip(direct.position_m).all(|(a, b)| (a - b).abs() < ROUNDING));
     let back = there.pose(-0.035);
-    let again = [0, 1, 2].map(|axis| back.position_m[axis] + back.turn(step.position_m)[axis]);
-    assert!(again.iter().all(|component| component.abs() < 1e-14), "{again:?}");
+    let again = [0, 1, 2].map(|axis| back.position_m[axis] + back.rotate(step.position_m)[axis]);
+    assert!(again.iter().all(|component| component.abs() < ROUNDING), "{again:?}");
     for axis in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
-        let there_and_back = back.turn(step.turn(axis));
-        assert!(there_and_back.iter().zip(axis).all(|(a, b)| (a - b).abs() < 1e-14));
+        let there_and_back = back.rotate(step.rotate(axis));
+        assert!(there_and_back.iter().zip(axis).all(|(a, b)| (a - b).abs() < ROUNDING));
     }
 }
 
 /// The camera rolls: down turns the other way in its axes.
 #[test]
-fn gravity_is_turned_along() {
+fn gravity_is_rotated_with_the_camera() {
     let roll_rate = 2.0;
     let down_at = |t: f64| [(roll_rate * t).sin(), (roll_rate * t).cos(), 0.0];
     let gravity_at = |stamps_ns: &[i64], start_ns: i64| {
@@ -315,7 +324,8 @@ fn gravity_is_turned_along() {
         [(&[100 * MS, 180 * MS][..], 120 * MS), (&[100 * MS], 190 * MS), (&[100 * MS], 20 * MS)]
     {
         let (down, expected) = (gravity_at(stamps_ns, start_ns).expect("covered"), down_at(seconds(start_ns)));
-        assert!(down.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{stamps_ns:?} {start_ns}");
+        let is_expected = down.iter().zip(expected).all(|(a, b)| (a - b).abs() < ROUNDING_OF_ROTATION);
+        assert!(is_expected, "{stamps_ns:?} {start_ns}");
     }
     let stale = TrajectoryGap::Stale {
         stream: TrajectoryStream::Gravity,
@@ -335,7 +345,7 @@ fn the_oldest_samples_give_way() {
     }
     // Left are 560, 640, 720 and 800 ms; 460 ms is as far as the first of them is trusted.
     let pose = trajectory.frame(600 * MS, 0..=80 * MS).expect("covered").pose(0.08);
-    assert!((pose.position_m[0] - 0.08 * 8.0).abs() < 1e-15);
+    assert!((pose.position_m[0] - 0.08 * 8.0).abs() < ROUNDING);
     assert!(trajectory.frame(460 * MS, 0..=MS).is_ok());
     assert_eq!(trajectory.frame(459 * MS, 0..=MS).err(), Some(stale(459 * MS, 101 * MS)));
     trajectory.clear();
@@ -375,7 +385,7 @@ fn gaps_have_numbers() {
 }
 
 #[test]
-fn samples_that_are_none() {
+fn samples_that_cannot_be_are_refused() {
     let mut trajectory: Trajectory<f64, 8> =
         Trajectory::new(TrajectoryConfig { gravity: Some(EXACT), ..streams(INSTANTS) });
     let value = |result: Result<(), TrajectoryError>| match result {
@@ -410,12 +420,13 @@ fn it_can_be_a_static_and_is_as_small_as_promised() {
     const TRAJECTORY: Trajectory<f32, 32> =
         Trajectory::new(TrajectoryConfig { velocity: MEANS, rate: None, gravity: None });
     assert!(TRAJECTORY.frame(0, 0..=0).is_err());
+    // The 24 bytes for each sample of the documentation, and those of three empty buffers.
     assert!(size_of::<Trajectory<f32, 32>>() <= 3 * (32 * 24 + 64), "{}", size_of::<Trajectory<f32, 32>>());
 }
 
-/// Where the wild ride sees an upright edge on each row, from poses of small steps.
-fn edges_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<EdgePoint> {
-    let edge = |row: u16| {
+/// The points of an upright edge on all rows of the wild ride, from poses of small steps.
+fn points_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<EdgePoint> {
+    let point = |row: u16| {
         let (position, rotation) = WILD.pose(start_s, start_s + scene.time_s(row));
         let to_camera = |v: Vector| [0, 1, 2].map(|axis| (0..3).map(|k| rotation[k][axis] * v[k]).sum::<f64>());
         let foot = [scene.bearing * scene.depth_m, 0.0, scene.depth_m];
@@ -426,32 +437,36 @@ fn edges_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<EdgePoint> {
         let column = scene.cx + scene.focal_px * (a[0] + along * b[0]) / (a[2] + along * b[2]);
         EdgePoint::new(row, q16(column), (scene.time_s(row) * 1e9).round() as i64)
     };
-    (0..scene.rows).map(edge).collect()
+    (0..scene.rows).map(point).collect()
 }
 
-/// Braking, yawing and nodding within the frame: a sensor of 1 kHz gets the depth, the twist at frame start does not.
+/// Braking, yawing and nodding within the frame: with a sensor of 1 kHz the depth is right, with the twist of frame start it is not.
 #[test]
-fn ranges_under_a_changing_motion() {
+fn a_changing_motion_costs_no_depth_where_it_is_sampled() {
+    // Second order in 1 ms, on a skew of a few pixels.
+    const SAMPLED: f64 = 2e-5;
+    // A fifth of the change of the velocity within a frame, which the twist misses together with that of the rotation rate.
+    const CONSTANT: f64 = 3e-3;
     let start_ns = 40 * MS;
     let start_s = seconds(start_ns);
     for (bearing, depth_m) in [(0.05, 2.0), (-0.3, 1.2), (0.2, 4.0)] {
         let scene = Scene { bearing, depth_m, gravity: [0.03, 0.9991, 0.03], ..Scene::vga() };
         let length = inner(scene.gravity, scene.gravity).sqrt();
         let scene = Scene { gravity: scene.gravity.map(|component| component / length), ..scene };
-        let edges = edges_of_a_wild_ride(&scene, start_s);
+        let points = points_of_a_wild_ride(&scene, start_s);
         let mut trajectory: Trajectory<f64, 128> =
             Trajectory::new(TrajectoryConfig { gravity: Some(EXACT), ..streams(INSTANTS) });
         WILD.feed(&mut trajectory, 0, MS);
         trajectory.push_gravity(start_ns, scene.gravity).expect("sound");
         let motion: FrameMotion<'_, f64, 128> = trajectory.frame(start_ns, 0..=34 * MS).expect("covered");
         let setup = scene.setup_with(Uncertainty::NONE);
-        let line = line_of::<64>(&edges);
+        let line = line_of::<64>(&points);
         let error = |inverse_depth: f64| (inverse_depth * depth_m - 1.0).abs();
         let found = error(Range::from_line(&setup, &motion, &line).estimate.inverse_depth_per_m);
-        assert!(found < 2e-5, "{found} at {depth_m} m");
+        assert!(found < SAMPLED, "{found} at {depth_m} m");
         let twist = Twist::new((WILD.velocity_m_s)(start_s), (WILD.rate_rad_s)(start_s), scene.gravity);
         let constant = Range::from_line(&setup, &twist.expect("sound"), &line).estimate.inverse_depth_per_m;
-        assert!(error(constant) > 0.003, "{} at {depth_m} m", error(constant));
+        assert!(error(constant) > CONSTANT, "{} at {depth_m} m", error(constant));
     }
 }
 
@@ -471,7 +486,7 @@ proptest! {
     #![proptest_config(seeded(200))]
 
     #[test]
-    fn mirror(velocities in vectors(5.0), rates in vectors(3.0), time_s in -0.05..0.1_f64) {
+    fn mirrored_samples_give_mirrored_poses(velocities in vectors(5.0), rates in vectors(3.0), time_s in -0.05..0.1_f64) {
         let pose = |velocity: fn(Vector) -> Vector, rate: fn(Vector) -> Vector| {
             let mut trajectory: Trajectory<f64, 8> = Trajectory::new(streams(INSTANTS));
             for ((k, v), w) in (0..).zip(&velocities).zip(&rates) {
@@ -483,12 +498,12 @@ proptest! {
         let (here, there) = (pose(|v| v, |w| w), pose(mirrored_velocity, mirrored_rate));
         prop_assert_eq!(mirrored_velocity(here.position_m), there.position_m);
         prop_assert_eq!(mirrored_rate(here.rate_rad_s), there.rate_rad_s);
-        prop_assert_eq!(mirrored_velocity(here.turn([1.0, 2.0, 3.0])), there.turn([-1.0, 2.0, 3.0]));
+        prop_assert_eq!(mirrored_velocity(here.rotate([1.0, 2.0, 3.0])), there.rotate([-1.0, 2.0, 3.0]));
     }
 
-    /// Whatever comes: no panic, and no pose that is not a number.
+    /// No panic, whatever the stamps.
     #[test]
-    fn anything_goes(
+    fn any_samples_give_finite_poses(
         stamps in prop::collection::vec(any::<i64>(), 0..12),
         near in prop::collection::vec(-1_000_000_000..1_000_000_000_i64, 0..12),
         value in [-1e4..1e4, -1e4..1e4, -1e4..1e4],

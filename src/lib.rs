@@ -79,7 +79,7 @@
 //!
 //! Scanning and tracking use integers only. The solver runs on any [`Scalar`]; a back end is a type, and a feature adds it.
 //! Every number that is handed out is finite. Where the last digits decide, back ends may differ in the status: `f32` and
-//! `Micro` in one of a thousand lines that fix no depth, `Q32` in one of a hundred, and each in less than one of a
+//! `Micro` in one of a thousand lines that fix no depth, `Q32` in one of twenty-five, and each in less than one of a
 //! thousand lines of upright edges (`cargo test agreement`).
 //!
 //! | feature | adds |

@@ -1,4 +1,4 @@
-//! `cargo bench -p shutter-range-bench`: pixels per second of each stage, of a peer, and of the mere sum of all pixels.
+//! `cargo bench -p shutter-range-bench`: pixels per second of each stage, of a peer, and of the plain sum of all pixels.
 //!
 //! Criterion calls the pixels elements (elem/s); those of `range` are ranges. One thread, frames rendered beforehand.
 
@@ -13,7 +13,7 @@ use imageproc::image::GrayImage;
 use shutter_range::{EdgePoint, Line, ParameterError, Range, Ranger, Scalar, ScannedPoint, Scanner};
 use shutter_range_bench::{Draw, Rig, Shot, clutter, rod};
 
-/// Lines, knots and edges a row.
+/// Lines, knots, and points of a row.
 type Finder = Ranger<64, 16, 128>;
 
 /// A rendered frame, and what it was rendered from.
@@ -32,24 +32,24 @@ impl Frame {
     }
 
     /// All that the scanner finds, row by row.
-    fn edges(&self) -> Result<Vec<(u16, Vec<EdgePoint>)>, ParameterError> {
+    fn points(&self) -> Result<Vec<(u16, Vec<EdgePoint>)>, ParameterError> {
         let readout = self.shot.rig.readout()?;
         let mut scanner = Scanner::new();
-        let edges_of = |(row, pixels)| {
-            let mut edges = Vec::new();
-            scanner.scan(pixels, |edge| edges.push(edge.at(row, readout.row_time_ns(row))));
-            (row, edges)
+        let points_of = |(row, pixels)| {
+            let mut points = Vec::new();
+            scanner.scan(pixels, |point| points.push(point.at(row, readout.row_time_ns(row))));
+            (row, points)
         };
-        Ok(self.rows().map(edges_of).collect())
+        Ok(self.rows().map(points_of).collect())
     }
 
     /// The longest line of the frame.
     fn line(&self) -> Result<Option<Line<16>>, ParameterError> {
         let setup = self.shot.rig.setup::<f64>()?;
         let mut ranger = Finder::new();
-        for (row, edges) in self.edges()? {
-            for edge in edges {
-                ranger.edge_point(&setup, edge).ok();
+        for (row, points) in self.points()? {
+            for point in points {
+                ranger.edge_point(&setup, point).ok();
             }
             ranger.end_row(&setup, row).ok();
         }
@@ -62,7 +62,7 @@ fn scan(frame: &Frame) -> i64 {
     let mut scanner = Scanner::new();
     let mut columns = 0;
     for (_, pixels) in frame.rows() {
-        scanner.scan(pixels, |edge: ScannedPoint| columns += i64::from(edge.column_q16));
+        scanner.scan(pixels, |point: ScannedPoint| columns += i64::from(point.column_q16));
     }
     columns
 }
@@ -73,13 +73,13 @@ fn bench_scan(group: &mut BenchmarkGroup<'_, WallTime>, frame: &Frame) {
 
 fn bench_track(group: &mut BenchmarkGroup<'_, WallTime>, frame: &Frame) -> Result<(), ParameterError> {
     let (setup, motion) = (frame.shot.rig.setup::<f32>()?, frame.shot.motion::<f32>()?);
-    let edges: Vec<EdgePoint> = frame.edges()?.into_iter().flat_map(|(_, edges)| edges).collect();
+    let points: Vec<EdgePoint> = frame.points()?.into_iter().flat_map(|(_, points)| points).collect();
     let mut ranger = Finder::new();
     group.bench_function("track", |bench| {
         bench.iter(|| {
-            for edge in black_box(&edges) {
-                // An edge twice in one place is refused, which costs the same.
-                ranger.edge_point(&setup, *edge).ok();
+            for point in black_box(&points) {
+                // A point twice in one place is refused, which costs the same.
+                ranger.edge_point(&setup, *point).ok();
             }
             ranger.end_frame(&setup);
             std::iter::from_fn(|| ranger.next_range(&setup, &motion)).count()
@@ -117,7 +117,7 @@ fn bench_peer(group: &mut BenchmarkGroup<'_, WallTime>, frame: &Frame) {
     });
 }
 
-/// What reading the pixels costs: no detector can be faster.
+/// The cost of reading the pixels: no detector can be faster.
 fn bench_roofline(group: &mut BenchmarkGroup<'_, WallTime>, frame: &Frame) {
     group.bench_function("roofline", |bench| {
         bench.iter(|| black_box(&frame.pixels).iter().map(|pixel| u64::from(*pixel)).sum::<u64>());

@@ -7,7 +7,7 @@ use crate::score::Outcome;
 use crate::truth::{UprightEdge, column};
 use crate::{Scenario, Score, Shot};
 
-/// What is drawn.
+/// Which frames of a scenario are drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     pub frames: u32,
@@ -21,16 +21,16 @@ pub struct Finding {
     pub what: String,
 }
 
-/// An edge that fewer rows show need not be found.
+/// Least number of rows that must show an edge for it to count as missed.
 const LEAST_ROWS: usize = 12;
-/// How far a range may be from the edge that it is of, in the middle of its rows.
+/// Largest distance of a range from its edge, in the middle of its rows.
 const MATCH_PX: f64 = 2.0;
-/// Depths beyond which nobody would take a range for one.
+/// Depths that a user would believe.
 const CREDIBLE_M: std::ops::RangeInclusive<f64> = 0.15..=60.0;
-/// Errors that are worth a look, in bounds.
+/// Errors beyond so many bounds are reported.
 const LARGE_ERROR: f64 = 5.0;
 
-/// All frames of a scenario; `report` hears of missed edges, large errors and false distances.
+/// Measures all frames of a scenario; missed edges, large errors and false distances go to `report`.
 pub fn measure(
     scenario: &Scenario,
     settings: Settings,
@@ -45,7 +45,7 @@ pub fn measure(
     Ok(score)
 }
 
-/// What the library makes of a frame, from its pixels alone.
+/// The ranges of a frame, from its pixels alone.
 fn ranges_of(shot: &Shot) -> Result<Vec<Range<f64>>, ParameterError> {
     let (setup, motion) = (shot.rig.setup::<f64>()?, shot.motion::<f64>()?);
     let pixels = shot.render()?;
@@ -75,8 +75,8 @@ fn judge(shot: &Shot, ranges: &[Range<f64>], score: &mut Score, mut report: impl
     score.frames += 1;
     for shown in shown.iter().filter(|shown| shown.rows.len() >= LEAST_ROWS) {
         score.edges += 1;
-        let of_it = || ranges.iter().filter(|range| is_of(shot, range, shown));
-        let of_status = |ok: bool| of_it().filter(move |range| (range.status == RangeStatus::Ok) == ok);
+        let of_edge = || ranges.iter().filter(|range| is_of(shot, range, shown));
+        let of_status = |ok: bool| of_edge().filter(move |range| (range.status == RangeStatus::Ok) == ok);
         // Where there are several, a user would trust the longest.
         match of_status(true).max_by_key(|range| range.points) {
             Some(range) => {

@@ -8,9 +8,9 @@ use crate::truth::UprightEdge;
 /// Least standard deviation of an edge's inverse depth in 1/m, from the rows that show it, with the bearing unknown and
 /// levels, blur and motion known. Infinite where the rows cannot tell.
 ///
-/// Each row tells the column with a variance of 1/Σ (slope of the profile)²/noise²; all rows together two unknowns.
+/// Each row tells the column with a variance of 1/Σ (slope of the blurred step)²/noise²; all rows together tell two unknowns.
 pub(crate) fn sigma_inverse_depth(shot: &Shot, edge: &UprightEdge, rows: &[u16]) -> f64 {
-    // Fisher's information about bearing and inverse depth, and the two together.
+    // Fisher information: bearing twice, bearing and inverse depth, inverse depth twice.
     let [mut aa, mut ar, mut rr] = [0.0; 3];
     for row in rows {
         let row = f64::from(*row);
@@ -34,7 +34,7 @@ fn derivatives(shot: &Shot, edge: &UprightEdge, row: f64) -> [f64; 2] {
     [scale, scale * (u * z_m - x_m)]
 }
 
-/// 1/variance of the column that one row can tell, in 1/px².
+/// Fisher information of one row about the column, in 1/px²: one over the least variance.
 fn information_of_row(shot: &Shot, edge: &UprightEdge, row: f64) -> f64 {
     let half_s = 0.5 * f64::from(shot.rig.exposure.time_s);
     let column = edge.column(shot, row, 0.0);
@@ -57,7 +57,7 @@ fn information_of_row(shot: &Shot, edge: &UprightEdge, row: f64) -> f64 {
     information
 }
 
-/// Of one pixel in square grey levels: read noise, shot noise, rounding.
+/// Variance of one pixel in square grey levels: read noise, shot noise, rounding.
 fn noise_variance(exposure: &Exposure, level: f64) -> f64 {
     let read = f64::from(exposure.read_noise);
     read * read + f64::from(exposure.shot_gain) * level + 1.0 / 12.0
@@ -72,7 +72,7 @@ impl Blur {
     /// The step from 0 to 1 at x = 0, after the lens and the motion's box.
     fn step(&self, x: f64) -> f64 {
         let Self { sigma_px, motion_px } = *self;
-        // Over less than that the mean of the step is the step.
+        // Over so short a motion the mean of the step is the step itself.
         if motion_px < 1e-3 * sigma_px {
             return normal_below(x / sigma_px);
         }
@@ -99,9 +99,9 @@ mod tests {
     use super::*;
     use crate::Rig;
 
-    /// Against the closed form for a wide Gauss: 2 √π σ σn²/A² for each row, and σx √(12/N³) for the slope.
+    /// For a wide Gaussian: 2 √π σ σn²/A² for each row, and σx √(12/N³) for the slope.
     #[test]
-    fn closed_form_of_a_long_edge() {
+    fn the_bound_of_a_long_edge_is_that_of_the_closed_form() {
         let mut rig = Rig::VGA;
         (rig.exposure.time_s, rig.exposure.psf_sigma_px, rig.exposure.shot_gain) = (0.0, 2.0, 0.0);
         let mut scene = Scene::new(Background::plain(50.0)).unwrap();
@@ -115,6 +115,7 @@ mod tests {
         let sigma_px = (2.0 * std::f64::consts::PI.sqrt() * blur * (6.25 + 1.0 / 12.0)).sqrt() / 100.0;
         let px_per_row = 600.0 * 2.0 / 30.0 / 480.0;
         let expected = sigma_px * (12.0 / 480.0_f64.powi(3)).sqrt() / px_per_row;
+        // The closed form takes the box of a pixel for a variance of 1/12, and sums for integrals.
         assert!((bound / expected - 1.0).abs() < 0.01, "{bound} for {expected}");
     }
 }

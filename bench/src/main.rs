@@ -1,4 +1,4 @@
-//! `cargo run --release -p shutter-range-bench -- accuracy`: what the library makes of simulated frames.
+//! `cargo run --release -p shutter-range-bench -- accuracy`: how well the library measures in simulated frames.
 
 use std::error::Error;
 

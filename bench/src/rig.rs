@@ -11,7 +11,7 @@ pub struct Rig {
     pub columns: u16,
     pub rows: u16,
     pub focal_px: f32,
-    /// Of the whole frame: rows × line time.
+    /// Readout time of the whole frame: rows × line time.
     pub readout_ns: u64,
     pub exposure: Exposure,
 }

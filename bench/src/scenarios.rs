@@ -5,7 +5,7 @@ use shutter_range::sim::{Background, Bar, Rail, Scene, Texture};
 
 use crate::{Draw, Rig, Shot};
 
-/// A kind of frame.
+/// A kind of frame, drawn at random.
 pub struct Scenario {
     pub name: &'static str,
     shot: fn(&mut Draw) -> Result<Shot, ParameterError>,
@@ -43,11 +43,12 @@ pub const SCENARIOS: [Scenario; 22] = [
     Scenario { name: "leaning", shot: leaning },
 ];
 
-/// Between the levels of a dark and a bright thing.
+/// Grey levels between dark and bright.
 const CONTRAST: f32 = 110.0;
+/// The level halfway between the two.
 const MIDDLE: f32 = 115.0;
 
-/// A level before another, dark before bright or the other way round.
+/// Levels of background and object: dark before bright, or the other way round.
 fn levels(draw: &mut Draw, contrast: f32) -> (f32, f32) {
     let half = 0.5 * contrast * draw.sign();
     (MIDDLE - half, MIDDLE + half)

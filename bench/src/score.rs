@@ -3,20 +3,22 @@
 /// One edge that was found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outcome {
-    /// Of inverse depth, relative to the true one; so are the others.
+    /// Error of inverse depth, relative to the true one.
     pub(crate) error: f64,
+    /// Its stated sigma, likewise.
     pub(crate) sigma: f64,
+    /// Its Cramér–Rao bound, likewise.
     pub(crate) bound: f64,
 }
 
-/// What came out of the frames of a scenario.
+/// Counts and errors over the frames of a scenario.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
     pub(crate) frames: u32,
     /// Upright edges that enough rows show.
     pub(crate) edges: u32,
     pub(crate) found: Vec<Outcome>,
-    /// Distances of things that are not there.
+    /// Ranges that are ok and credible where there is no upright edge.
     pub(crate) false_distances: u32,
 }
 

@@ -10,9 +10,9 @@ use crate::Rig;
 pub struct Shot {
     pub rig: Rig,
     pub scene: Scene<32>,
-    /// Of the camera, level and not turning.
+    /// Velocity of the camera, which is level and does not turn.
     pub velocity_m_s: [f32; 3],
-    /// Of the noise.
+    /// Seed of the noise.
     pub seed: u64,
 }
 

@@ -1,8 +1,8 @@
-//! [`EdgeModel`]: what a tracked edge looks like, and where the next row has it.
+//! [`EdgeModel`]: levels, blur and noise of a tracked edge, and where the next row has it.
 //!
 //! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its rows
 //! so far tell both levels and the blur, the maximum-likelihood estimate is a step or a few from the prediction: the row minus
-//! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
+//! the expected levels, weighted by the slope of the spread function. Its noise is the Cramér–Rao bound.
 
 use super::moments::Moments;
 use super::point::{EdgePoint, Polarity};
@@ -29,11 +29,11 @@ pub(crate) struct EdgeModel {
     textured_rows: u16,
 }
 
-/// What one row says, given the profile.
+/// What one row says, given the model.
 struct Fit {
     /// Column minus the expected one.
     shift_q16: i64,
-    /// Width of the template that fits best, and that of the edge, whatever the lens.
+    /// Width of the spread function that fits best, and that of the edge, whatever the lens.
     template_q12: i64,
     width_q12: i64,
     /// Residual variance of a pixel.
@@ -43,26 +43,26 @@ struct Fit {
     off_q16: [i64; 2],
 }
 
-/// Of a sharp lens, half a pixel, and the pixel itself.
+/// Blur of a sharp lens, half a pixel, and of the pixel itself.
 const LEAST_BLUR_Q8: u16 = 148;
 /// What an edge is taken to be blurred at least before more is known.
 const USUAL_BLUR_Q8: u16 = 195;
 const MOST_BLUR_Q8: u16 = 12 << 8;
-/// Beyond this a row's first look tells the blur only roughly.
+/// Beyond this the scanner tells the blur only roughly.
 const LONG_BLUR_Q8: u16 = 4 << 8;
-/// Of [`EdgeModel::settled`].
+/// Most steps of [`EdgeModel::settled`].
 const MOST_STEPS: usize = 6;
-/// How far the scanner may draw an edge away from a neighbour, and how far apart, one found and one drawn, they must be: nearer ones
-/// hide each other's levels. So far as the noise tells.
+/// How far a neighbour may bias the scanner's column of an edge, and how far from that neighbour the located edge must be: nearer
+/// ones hide each other's levels. Decided only where the noise is below the third.
 const MOST_DRAWN_Q16: i64 = 5 << 14;
 const LEAST_APART_Q16: i64 = 5 << 16;
 const SURE_SIGMA_Q16: u32 = 1 << 13;
-/// Of [`EdgeModel::locate`].
+/// Most steps of [`EdgeModel::locate`] after the first.
 const MOST_CORRECTIONS: usize = 3;
 
 /// Least contrast in 1/256 grey level.
 const LEAST_CONTRAST_Q8: i32 = 4 << 8;
-/// Rows that tell of texture, at first and beyond doubt.
+/// Rows with texture that make a line one beside texture, probably and surely.
 const FEW_TEXTURED_ROWS: u16 = 4;
 const MANY_TEXTURED_ROWS: u16 = 12;
 /// Rounding to whole grey levels alone.
@@ -159,8 +159,8 @@ impl EdgeModel {
         Some(EdgePoint { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
 
-    /// The edge near the expected column, and a better profile; `None` where the row shows something else, or where it is farther off
-    /// than the gate, or than its noise and what the expected column may itself be drawn aside. What is found must
+    /// The edge near the expected column, from which the model learns; `None` where the row shows something else, or where the edge
+    /// is farther off than the gate, or than its noise and the bias that the expected column itself may have. What is found must
     /// not depend on what was expected, or a line would go on where it once went astray: more steps where the first one is large.
     pub(crate) fn locate(
         &mut self,
@@ -231,7 +231,7 @@ impl EdgeModel {
         })
     }
 
-    /// Beside the border, or with a neighbour's blur in its own, an edge would be drawn aside.
+    /// Whether neither the border nor a neighbour's blur lies within the edge's own blur: its column would be biased.
     fn is_alone(&self, column_q16: i64, around: Neighbours, columns: usize) -> bool {
         let clear_q16 = (2 * i64::from(self.blur_q8()) + 256) << 8;
         let border_q16 = (columns as i64 - 1) << 16;
@@ -268,8 +268,8 @@ impl EdgeModel {
         Some((sums, [left_q8, right_q8], residual_slope))
     }
 
-    /// Of the column: of the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong. `per_grey`
-    /// is b/A in 1/65536 px and grey level.
+    /// Sigma of the column: from the noise on the flank, and on the plateaus, whose levels shift the edge when they are wrong.
+    /// `per_grey` is b/A in 1/65536 px and grey level.
     fn sigma_q16(&self, sums: &Moments, per_grey: i64) -> Option<i64> {
         let slope_slope = sums.slope_slope >> 15;
         // With S the slope and n pixels on a plateau, 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
@@ -293,7 +293,7 @@ impl EdgeModel {
         self.textured_rows >= FEW_TEXTURED_ROWS && self.textured_rows > self.rows / 4
     }
 
-    /// Whether that is so beyond doubt.
+    /// Whether that is sure.
     pub(crate) const fn is_surely_beside_texture(&self) -> bool {
         self.textured_rows >= MANY_TEXTURED_ROWS && self.is_beside_texture()
     }
@@ -391,23 +391,23 @@ mod tests {
         let (mut scanner, mut pixels) = (Scanner::new(), [0; 320]);
         simulator.row(0, &mut pixels);
         let mut first = EdgePoint::new(0, 0, 0);
-        scanner.scan(&pixels, |edge| first = edge.at(0, 0));
+        scanner.scan(&pixels, |point| first = point.at(0, 0));
         let mut model = EdgeModel::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
         let mut line: Line<16> = Line::new(first);
         let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
             let expected_q16 = (column(row) * 65536.0) as i64;
-            let Some(edge) = model.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
+            let Some(point) = model.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
                 assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
                 continue;
             };
-            let off_px = f64::from(edge.column_q16) / 65536.0 - column(row);
-            let sigma_px = f64::from(edge.sigma_q16) / 65536.0;
-            found[usize::from(row)] = (off_px, f64::from(edge.width_q8) / 256.0, sigma_px);
-            line.push(edge.at(row, readout.row_time_ns(row))).unwrap();
+            let error_px = f64::from(point.column_q16) / 65536.0 - column(row);
+            let sigma_px = f64::from(point.sigma_q16) / 65536.0;
+            found[usize::from(row)] = (error_px, f64::from(point.width_q8) / 256.0, sigma_px);
+            line.push(point.at(row, readout.row_time_ns(row))).unwrap();
         }
-        // As the line's mean, which leaves the rows out in which the profile settles.
+        // As the line's mean, which leaves out the rows in which the model settles.
         let settled = &found[SETTLING.into()..];
         Outcome {
             mean_width_px: line.mean_width_px().unwrap(),
@@ -417,11 +417,19 @@ mod tests {
         }
     }
 
-    /// The width is a measurement of its own: unbiased whatever the lens and the motion, of stated noise, and a line's mean
-    /// of n rows has √n times less.
+    /// The width is a measurement of its own, whatever the lens and the motion: a line's mean over n rows has √n times less
+    /// noise than each row's.
     #[test]
-    fn width_and_its_noise() {
+    fn widths_are_unbiased_and_as_noisy_as_stated() {
         const LINES: u8 = 12;
+        // Half of the 2 % of its square that the range solver grants to the shape of a blur.
+        const BIAS: f64 = 0.01;
+        // Six sigma of a deviation from 12 lines of 224 rows: 1/√(2 · 12 · 224) each.
+        const COLUMNS: core::ops::Range<f64> = 0.92..1.08;
+        // A width has one to two times the noise of its column, as the range solver has it.
+        const WIDTHS: core::ops::Range<f64> = 0.9..2.0;
+        // Within three sigma of a deviation from 12 lines: 1/√(2 · 11) each.
+        const MEANS: core::ops::Range<f64> = 0.4..1.5;
         for lens_px in [0.5, 0.7, 1.0] {
             for path_px in [0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 28.0] {
                 let variance = lens_px * lens_px + (1.0 + path_px * path_px) / 12.0;
@@ -436,10 +444,10 @@ mod tests {
                 let rows = f64::from(ROWS - SETTLING);
                 let line = deviation(means.into_iter()) * libm::sqrt(rows) / mean(|line| line.width_px);
                 let of = format_args!("lens {lens_px}, path {path_px}");
-                assert!(bias.abs() < 0.01, "{of}: bias {bias:+.4}");
-                assert!((0.92..1.08).contains(&column), "{of}: columns {column:.3} of their sigma");
-                assert!((0.9..2.0).contains(&width), "{of}: widths {width:.3} of the column's sigma");
-                assert!((0.4..1.5).contains(&line), "{of}: a line's width {line:.2} of what its rows' say");
+                assert!(bias.abs() < BIAS, "{of}: bias {bias:+.4}");
+                assert!(COLUMNS.contains(&column), "{of}: columns {column:.3} of their sigma");
+                assert!(WIDTHS.contains(&width), "{of}: widths {width:.3} of the column's sigma");
+                assert!(MEANS.contains(&line), "{of}: a line's width {line:.2} of what its rows' say");
             }
         }
     }

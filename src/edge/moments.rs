@@ -2,7 +2,8 @@
 
 use super::spread_function::Place;
 
-/// Inner products of residual, slope of the profile, and its change with the width, over the flank; what lies beyond.
+/// Inner products of the residual, the slope of the spread function and its change with the width, over the flank of an
+/// edge; and the levels of the plateaus on either side.
 #[derive(Default)]
 pub(crate) struct Moments {
     pub(crate) pixels: i64,

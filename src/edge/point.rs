@@ -1,4 +1,4 @@
-//! [`EdgePoint`]: where one row crosses one edge.
+//! [`EdgePoint`]: where a row crosses an edge.
 
 use crate::scalar::{NS_PER_S, Scalar};
 
@@ -11,17 +11,17 @@ pub enum Polarity {
     Rising,
     /// Bright to dark.
     Falling,
-    /// Not known; matches only its like.
+    /// Not known: such points make lines with each other only.
     #[default]
     Unknown,
 }
 
-/// A point of an edge on one row: plain integers, the same on every core. 24 bytes.
+/// The point where a row crosses an edge, in integers that are the same on every core. 24 bytes.
 ///
 /// ```
 /// use shutter_range::{EdgePoint, Polarity};
-/// let edge = EdgePoint::new(17, 320 << 16, 1_200_000).with_polarity(Polarity::Rising).with_sigma_q16(3277); // 0.05 px
-/// assert_eq!(edge.column_px::<f32>(), 320.0);
+/// let point = EdgePoint::new(17, 320 << 16, 1_200_000).with_polarity(Polarity::Rising).with_sigma_q16(3277); // 0.05 px
+/// assert_eq!(point.column_px::<f32>(), 320.0);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -33,22 +33,22 @@ pub struct EdgePoint {
     pub column_q16: i32,
     /// One standard deviation of the column's noise in 1/65536 px: 1 to [`EdgePoint::MAX_SIGMA_Q16`].
     pub sigma_q16: u32,
-    /// Row in the image.
+    /// Row of the image, 0 at the top.
     pub row: u16,
-    /// Width of the edge (one sigma of its blur) in 1/256 px; zero where it was not measured.
+    /// Width of the edge here (one sigma of its blur) in 1/256 px; zero where it was not measured.
     pub width_q8: u16,
-    /// Dark to bright or bright to dark.
+    /// Whether the edge goes from dark to bright or from bright to dark.
     pub polarity: Polarity,
 }
 
 impl EdgePoint {
-    /// 0.1 px, the noise of an edge that comes without its own.
+    /// 0.1 px: the noise of a point that states none.
     pub const DEFAULT_SIGMA_Q16: u32 = 6_554;
 
-    /// 256 px: more than that says nothing.
+    /// 256 px: the largest noise that is accepted.
     pub const MAX_SIGMA_Q16: u32 = 1 << 24;
 
-    /// An edge of unknown polarity and width, with [`EdgePoint::DEFAULT_SIGMA_Q16`] of noise.
+    /// A point of unknown polarity and width, with [`EdgePoint::DEFAULT_SIGMA_Q16`] of noise.
     #[must_use]
     pub const fn new(row: u16, column_q16: i32, time_ns: i64) -> Self {
         let sigma_q16 = Self::DEFAULT_SIGMA_Q16;
@@ -61,7 +61,7 @@ impl EdgePoint {
         Self { polarity, ..self }
     }
 
-    /// The same with its own noise in 1/65536 px.
+    /// The same with a noise of its own, one standard deviation in 1/65536 px.
     #[must_use]
     pub const fn with_sigma_q16(self, sigma_q16: u32) -> Self {
         Self { sigma_q16, ..self }

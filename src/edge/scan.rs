@@ -1,12 +1,13 @@
-//! [`Scanner`]: one row of pixels in, its edges out, in integers.
+//! [`Scanner`]: one row of pixels in, its edge points out, in integers.
 //!
-//! Two looks at a row. A coarse one sums blocks of 16 pixels and keeps those whose sum differs from its neighbour's by more
-//! than noise can explain: plain sums, at the speed of memory. A fine one, there alone, slides the difference of two
-//! windows of four pixels over the row: each run of one sign beyond the noise is an edge, and the run's centroid its column.
+//! A row is scanned twice. The coarse scan sums blocks of 16 pixels and keeps those whose sum differs from its neighbour's
+//! by more than noise explains: plain sums, at the speed of memory. The fine scan, in those blocks alone, slides the
+//! difference of two windows of four pixels over the row: each run of one sign above the noise is a point of an edge, and
+//! the centroid of the run is its column.
 
 use super::point::{EdgePoint, Polarity};
 
-/// An edge as one row shows it, on its own.
+/// A point of an edge as a single row of pixels shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ScannedPoint {
@@ -14,20 +15,20 @@ pub struct ScannedPoint {
     pub column_q16: i32,
     /// One standard deviation of the column's noise in 1/65536 px.
     pub sigma_q16: u32,
-    /// Width of the edge (one sigma of its blur, the pixel's own included) in 1/256 px.
+    /// Width of the edge here (one sigma of its blur, the pixel's own included) in 1/256 px.
     pub width_q8: u16,
     /// Brightness on the right minus that on the left, in grey levels.
     pub contrast: i16,
 }
 
 impl ScannedPoint {
-    /// Dark to bright or bright to dark.
+    /// Whether the edge goes from dark to bright or from bright to dark.
     #[must_use]
     pub const fn polarity(&self) -> Polarity {
         if self.contrast < 0 { Polarity::Falling } else { Polarity::Rising }
     }
 
-    /// As an edge of a row that is read at `time_ns` since frame start.
+    /// The point of `row`, whose exposure has its middle at `time_ns` since frame start.
     #[must_use]
     pub const fn at(&self, row: u16, time_ns: i64) -> EdgePoint {
         EdgePoint {
@@ -41,14 +42,14 @@ impl ScannedPoint {
     }
 }
 
-/// Finds the edges of rows; remembers nothing but how restless the last rows were. 12 bytes.
+/// Finds the edge points of rows of pixels. All that it remembers is the noise and the texture of the rows so far: 12 bytes.
 ///
-/// The thresholds follow the rows themselves, so that neither exposure nor gain needs tuning: an edge counts where the
-/// difference of two neighbouring windows of four pixels exceeds four sigma of what is usual in these rows, be that noise or
-/// texture, and six grey levels.
+/// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where the
+/// means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma of how
+/// much they usually differ in these rows, be it by noise or by texture.
 ///
-/// *Limits*: an edge within eight pixels of the border is not seen, nor anything in rows below 32 pixels. *Cost*: one
-/// addition per pixel, and about ten operations per pixel near something.
+/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels. *Cost*: one
+/// addition per pixel, and about ten operations per pixel near an edge.
 ///
 /// ```
 /// use shutter_range::Scanner;
@@ -56,12 +57,12 @@ impl ScannedPoint {
 /// row[32..].fill(200);
 /// row[31] = 120; // half covered: the edge is in the middle of pixel 31
 /// let mut scanner = Scanner::new();
-/// let mut edges = 0;
-/// scanner.scan(&row, |edge| {
-///     assert_eq!((edge.column_q16 + (1 << 8)) >> 9, 31 << 7);
-///     edges += 1;
+/// let mut points = 0;
+/// scanner.scan(&row, |point| {
+///     assert_eq!((point.column_q16 + (1 << 8)) >> 9, 31 << 7);
+///     points += 1;
 /// });
-/// assert_eq!(edges, 1);
+/// assert_eq!(points, 1);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -87,7 +88,7 @@ const LEAST_NOISE_Q8: u32 = 74;
 const LEAST_DIFFERENCE: u32 = 24;
 
 impl Scanner {
-    /// Edges that are so far apart do not share windows.
+    /// Edges at least this far apart have no pixel of their windows in common.
     pub(crate) const SEES_ALONE_Q16: i64 = (2 * WINDOW as i64) << 16;
 
     /// A scanner that has seen nothing yet.
@@ -104,7 +105,7 @@ impl Scanner {
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
-    /// Scans a row, dark 0 to bright 255, and hands over its edges from left to right.
+    /// Scans a row, dark 0 to bright 255, and hands its edge points to `found`, from left to right.
     pub fn scan(&mut self, pixels: &[u8], mut found: impl FnMut(ScannedPoint)) {
         self.learn(pixels);
         let noise_q8 = self.noise_q8();
@@ -114,7 +115,7 @@ impl Scanner {
         coarse(pixels, 2 * least, |from, to| fine(pixels, from, to, least as i32, noise_q8, &mut found));
     }
 
-    /// Whether what is usual in these rows is more than noise.
+    /// Whether neighbouring windows usually differ by more than twice what noise explains.
     pub(crate) fn is_textured(&self) -> bool {
         sigma_of(self.difference_q8) > 2 * self.difference_of_noise_q8()
     }
@@ -159,7 +160,7 @@ fn sum(pixels: &[u8]) -> i32 {
     pixels.iter().map(|pixel| i32::from(*pixel)).sum()
 }
 
-/// Of three pixels in the middle of a pair of blocks; sigma is √6 times the noise.
+/// Second difference of three pixels in the middle of a pair of blocks: its sigma is √6 times the noise.
 fn second_difference(pair: &[u8]) -> u32 {
     let at = |index| pair.get(index).map_or(0, |pixel| i32::from(*pixel));
     (at(BLOCK - 1) - 2 * at(BLOCK) + at(BLOCK + 1)).unsigned_abs()
@@ -241,7 +242,7 @@ fn add_stretch(open: &mut Option<(usize, usize)>, (from, to): (usize, usize), st
     }
 }
 
-/// What a run of differences of one sign has come to.
+/// Sums over a run of differences of one sign.
 #[derive(Clone, Copy)]
 struct Run {
     sign: i32,
@@ -275,7 +276,7 @@ impl Run {
         }
     }
 
-    /// A second hill after a valley of less than half the height is another edge.
+    /// Whether a second peak begins, after a valley of less than half the first one's height: another edge.
     fn rises_again(&self, size: i32, least: i32) -> bool {
         self.valley * 2 < self.peak && size > self.valley + least.max(self.peak / 4)
     }
@@ -310,7 +311,7 @@ fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found:
     };
     let mut run: Option<Run> = None;
     let mut close = |run: Run| {
-        // A run that begins where the look begins may have begun before it, and its centroid would be aside.
+        // A run that begins with the scanned stretch may have begun before it, and its centroid would be off.
         if let Some(edge) = run.edge(noise_q8).filter(|_| run.start > from + WINDOW) {
             found(edge);
         }

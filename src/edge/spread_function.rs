@@ -1,9 +1,9 @@
-//! [`SpreadFunction`]: the profile of a blurred edge, in integers.
+//! [`SpreadFunction`]: a blurred step, in integers.
 //!
-//! A lens and the pixel blur an edge as a Gauss does, and motion as a box does. Of the two boxes, pixel and motion, the
-//! wider one is taken as it is and the other one as a part of the Gauss: exact for no motion and for a long one.
+//! The lens blurs an edge as a Gaussian does, the pixel and motion as boxes do. The wider box is taken as it is, the other
+//! one as a part of the Gaussian: exact without motion and for a long one.
 
-/// A step of height one after a box of width b and a Gauss of sigma s. One number, the standard deviation of the blur, decides
+/// A step of height one after a box of width b and a Gaussian of sigma s. One number, the standard deviation of the blur, decides
 /// about both: up to what a usual lens explains s grows, beyond it the box.
 #[derive(Clone, Copy)]
 pub(crate) struct SpreadFunction {
@@ -18,7 +18,7 @@ pub(crate) struct SpreadFunction {
     box_per_lens_q8: i32,
 }
 
-/// The template at one place, in 1/32768.
+/// The spread function and its derivatives at one place, in 1/32768.
 pub(crate) struct Place {
     /// The step itself.
     pub(crate) step: i32,
@@ -34,14 +34,14 @@ pub(crate) struct Place {
 const PIXEL_Q8: i32 = 256;
 /// Variance of a pixel's box, in 1/65536 square pixel.
 const PIXEL_VARIANCE_Q16: i32 = 65536 / 12;
-/// Of a usual lens, 0.7 px; beyond, it is motion.
+/// Variance of a usual lens's blur of 0.7 px; more is motion.
 const LENS_VARIANCE_Q16: i32 = 32113;
 /// One sigma of a lens and a pixel.
 const LENS_AND_PIXEL_Q8: i32 = 194;
 const LEAST_LENS_Q8: i32 = 40;
 
 impl SpreadFunction {
-    /// Of an edge whose blur has this standard deviation, the pixel's own included.
+    /// The spread function of an edge whose blur has this standard deviation, the pixel's own included.
     pub(crate) fn new(width_q8: u16) -> Self {
         // Twelve times the square must fit.
         let width_q8 = i32::from(width_q8.clamp(1, 12 << 8));
@@ -67,7 +67,7 @@ impl SpreadFunction {
         Self { box_q8, lens_q8, per_lens_q20, per_box_q24, per_widening_q8: per_widening_q8.max(1), box_per_lens_q8 }
     }
 
-    /// Half the width of what is neither 0 nor 1, in 1/256 px: 2.5 sigma of the Gauss beyond the box.
+    /// Half the width of what is neither 0 nor 1, in 1/256 px: 2.5 sigma of the Gaussian beyond the box.
     pub(crate) const fn reach_q8(&self) -> i32 {
         self.box_q8 / 2 + self.lens_q8 * 5 / 2
     }
@@ -108,7 +108,7 @@ impl SpreadFunction {
     }
 }
 
-/// Of the normal distribution, in 1/32768: Φ, and the integral of Φ beyond max(z, 0).
+/// The normal distribution, in 1/32768: Φ, and the integral of Φ less max(z, 0).
 struct Normal {
     z_q8: i32,
     below: i32,

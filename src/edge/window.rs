@@ -1,4 +1,4 @@
-//! [`Window`]: the pixels around an edge, and what they say for and against an expected profile.
+//! [`Window`]: the pixels around an edge, and their moments against an expected spread function.
 
 use super::moments::{LevelMoments, Moments};
 use super::point::EdgePoint;
@@ -20,8 +20,8 @@ impl Neighbours {
         column_q16 - self.left_q16 < distance_q16 || self.right_q16 - column_q16 < distance_q16
     }
 
-    /// The nearest to an edge among those of its row that end its plateaus: one of its own polarity may be a piece of it, as
-    /// noise breaks a long blur.
+    /// The nearest of the edges in its row that end an edge's plateaus. One of its own polarity does not: it may be part of the
+    /// same edge, since noise can break a long blur.
     pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e EdgePoint>, edge: &EdgePoint) -> Self {
         let mut around = Self::NONE;
         for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
@@ -42,7 +42,7 @@ const PLATEAU: i64 = 4;
 pub(crate) struct Window<'p> {
     flank: &'p [u8],
     plateaus: [&'p [u8]; 2],
-    /// Of the flank's first pixel from the expected column.
+    /// Distance of the flank's first pixel from the expected column.
     off_q8: i32,
 }
 

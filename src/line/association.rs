@@ -1,15 +1,15 @@
-//! [`Association`]: which edge of a row belongs to which line.
+//! [`Association`]: which point of a row belongs to which line.
 
 use core::iter::Peekable;
 
 use crate::edge::EdgePoint;
 
-/// Where a line should cross a row, and how far off an edge there may lie.
+/// Where a line should cross a row, and how far from there its point may lie.
 #[derive(Clone, Copy)]
 pub(crate) struct Prediction {
     pub(crate) column_q16: i64,
     pub(crate) gate_q16: i64,
-    /// So near to another line of its kind that an edge there could be of either: it takes none.
+    /// Whether it is so near to another line of its kind that a point there could be of either: it then takes none.
     pub(crate) coasting: bool,
 }
 
@@ -49,7 +49,7 @@ impl<I: Iterator<Item = (Prediction, usize)>> Association<I> {
         Self { lines: lines.peekable(), previous: None, pair: None }
     }
 
-    /// Takes the next edge; `settle` hears of those whose fate is now known, in the order of columns.
+    /// Takes the next point and hands to `settle` those that are now decided, in the order of columns.
     pub(crate) fn point(&mut self, point: EdgePoint, settle: &mut impl FnMut(Outcome)) {
         let column = i64::from(point.column_q16);
         while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {

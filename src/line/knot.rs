@@ -1,8 +1,8 @@
-//! [`Knot`]: the edges of a span of rows, summed.
+//! [`Knot`]: the points of a line in a span of rows, summed.
 
 use crate::edge::EdgePoint;
 
-/// Sums over the edges of a span of rows, counted from the line's first edge. Sums are exact and know no order.
+/// Sums over the points of a line in a span of rows, relative to the line's first point: exact, and independent of the order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Knot {
@@ -12,7 +12,7 @@ pub(crate) struct Knot {
     pub(crate) rows: u32,
     pub(crate) widths_q8: u32,
     pub(crate) points: u16,
-    /// Number of edges whose width was measured.
+    /// Number of points whose width was measured.
     pub(crate) widths: u16,
 }
 
@@ -21,7 +21,7 @@ impl Knot {
         Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, points: 0, widths: 0 };
 
     pub(super) fn of(point: &EdgePoint, first: &EdgePoint) -> Self {
-        // A sum of 65535 squares fits; a sigma of zero would be an infinite weight.
+        // So that a sum of 65535 squares fits, and that no weight is infinite.
         let sigma = u64::from(point.sigma_q16.clamp(1, EdgePoint::MAX_SIGMA_Q16));
         let variance = sigma * sigma;
         Self {
@@ -35,7 +35,8 @@ impl Knot {
         }
     }
 
-    /// Only times can saturate, and not those of edges that a [`Ranger`](crate::Ranger) has checked.
+    /// Adds the sums of another knot. Only times can saturate, and not those of points that a [`Ranger`](crate::Ranger) has
+    /// checked.
     pub(crate) fn add(&mut self, other: &Self) {
         self.columns_q16 = self.columns_q16.saturating_add(other.columns_q16);
         self.times_ns = self.times_ns.saturating_add(other.times_ns);

@@ -1,19 +1,20 @@
-//! [`Line`]: the edges of one line, summed into a bounded list of knots.
+//! [`Line`]: the points of one edge in the image, summed into a bounded list of knots.
 
 use heapless::Vec;
 
 use super::knot::Knot;
 use crate::edge::EdgePoint;
 
-/// An edge refused by a [`Line`]: its row does not come after the last one.
+/// A point that a [`Line`] has refused because its row or its time does not follow the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OutOfOrder(pub EdgePoint);
 
-/// The edges of one line: first, last, and at most `KNOTS` knots (40 bytes each).
+/// The points of one edge in the image: the first, the last, and the sums of all in at most `KNOTS` knots (40 bytes each).
 ///
-/// A knot covers a span of rows: one row at first, twice as many whenever the list is full and neighbours are merged,
-/// so that any number of edges fits at a known cost. Rows may rise or fall, as they are read, and may be sparse.
+/// A knot covers a span of rows. The span is one row at first, and doubles whenever the list is full: neighbouring knots
+/// are then merged. So any number of points fits in bounded memory. Rows may ascend or descend, as they are read, and may
+/// be sparse.
 ///
 /// *Accuracy*: 16 knots of a full-row edge cost at most 3·10⁻⁵ of the depth (2·10⁻⁴ with tilt free).
 ///
@@ -33,9 +34,9 @@ pub struct Line<const KNOTS: usize> {
     pub(crate) first: EdgePoint,
     pub(crate) last: EdgePoint,
     pub(crate) points: u16,
-    /// Rows with several edges of no line, wherever they are, or with texture beside this one.
+    /// Rows in which several points belong to no line, or texture lies beside this one.
     cluttered_rows: u16,
-    /// It was found in rows of pixels, where an edge is to be seen in nearly every row.
+    /// Whether it was found in rows of pixels, where nearly every row should show the edge.
     of_pixels: bool,
     /// Rows per knot: 2 to this power.
     pub(crate) span_log2: u8,
@@ -44,7 +45,7 @@ pub struct Line<const KNOTS: usize> {
 impl<const KNOTS: usize> Line<KNOTS> {
     const AT_LEAST_FOUR: () = assert!(KNOTS >= 4, "a line needs at least 4 knots");
 
-    /// A line of one edge.
+    /// A line of one point.
     #[must_use]
     pub fn new(first: EdgePoint) -> Self {
         let () = Self::AT_LEAST_FOUR;
@@ -61,11 +62,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         line
     }
 
-    /// Appends the edge of a later row: below the last one or above it, as the second edge decides.
+    /// Appends the point of a later row. The second point decides whether the line's rows ascend or descend.
     ///
-    /// *Errors*: hands the edge back where its row repeats or goes back, or its time does.
+    /// *Errors*: hands the point back where its row repeats or goes back, or its time goes back; the line is then unchanged.
     ///
-    /// *Cost*: a few dozen instructions; a merge of all knots each time the line's length doubles.
+    /// *Cost*: a few dozen instructions, and a merge of all knots each time the line's length doubles.
     pub fn push(&mut self, point: EdgePoint) -> Result<(), OutOfOrder> {
         self.check_order(&point)?;
         self.add(&Knot::of(&point, &self.first), point.row.abs_diff(self.first.row));
@@ -74,7 +75,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
-    /// Whether an edge comes after the last one, and on the same side of the first.
+    /// Refuses a point that does not come after the last one, on the same side of the first.
     fn check_order(&self, point: &EdgePoint) -> Result<(), OutOfOrder> {
         let advance = i32::from(point.row) - i32::from(self.last.row);
         let so_far = i32::from(self.last.row) - i32::from(self.first.row);
@@ -85,9 +86,9 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
-    /// Appends a line that began and ended later, knot by knot: it may have begun before this one's last edge.
+    /// Appends, knot by knot, a line that began later and ended later. The two may overlap.
     ///
-    /// *Errors*: as [`Line::push`] for its last edge, or where it began first; nothing has changed then.
+    /// *Errors*: as [`Line::push`] for the last point of `later`, or where `later` began first; this line is then unchanged.
     pub(crate) fn append(&mut self, later: &Self) -> Result<(), OutOfOrder> {
         self.check_order(&later.last)?;
         if later.first.time_ns <= self.first.time_ns || later.first.row == self.first.row {
@@ -110,7 +111,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
-    /// Raises the sigmas of all edges so far to at least this.
+    /// Raises the sigmas of all points so far to at least this.
     pub(crate) fn raise_sigmas(&mut self, sigma_q16: u32) {
         let square = u64::from(sigma_q16) * u64::from(sigma_q16);
         for knot in &mut self.knots {
@@ -130,48 +131,48 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.cluttered_rows = self.cluttered_rows.saturating_add(1);
     }
 
-    /// Whether most of its rows are crowded, as in texture or clutter.
+    /// Whether more than half of its rows lie in clutter or beside texture.
     pub(crate) const fn is_cluttered(&self) -> bool {
         self.cluttered_rows > self.points / 2
     }
 
-    /// The edge that was read first.
+    /// The point that was read first.
     #[must_use]
     pub const fn first(&self) -> &EdgePoint {
         &self.first
     }
 
-    /// The edge that was read last.
+    /// The point that was read last.
     #[must_use]
     pub const fn last(&self) -> &EdgePoint {
         &self.last
     }
 
-    /// Number of edges.
+    /// Number of points.
     #[must_use]
     pub const fn points(&self) -> u16 {
         self.points
     }
 
-    /// The topmost and the lowest edge in the image.
+    /// The topmost and the lowest point in the image.
     pub(crate) const fn top_and_bottom(&self) -> (&EdgePoint, &EdgePoint) {
         if self.first.row <= self.last.row { (&self.first, &self.last) } else { (&self.last, &self.first) }
     }
 
-    /// Number of edges in those of the samples that are `kept`.
+    /// Number of points in the samples that are `kept`.
     pub(crate) fn points_in(&self, kept: impl Iterator<Item = bool>) -> u16 {
         let filled = self.knots.iter().filter(|knot| knot.points > 0);
         filled.zip(kept).fold(0, |sum, (knot, kept)| if kept { knot.points.saturating_add(sum) } else { sum })
     }
 
-    /// Adds a knot's sums to the knot that covers the row `offset` rows from the first.
+    /// Adds sums to the knot that covers the row `offset` rows from the first.
     fn add(&mut self, sums: &Knot, offset: u16) {
         while usize::from(offset >> self.span_log2) >= KNOTS {
             self.merge();
         }
         let index = usize::from(offset >> self.span_log2);
         while self.knots.len() <= index {
-            // There is room: the index is below the capacity.
+            // Never full: the index is below the capacity.
             let _ = self.knots.push(Knot::EMPTY);
         }
         if let Some(knot) = self.knots.get_mut(index) {
@@ -179,7 +180,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         }
     }
 
-    /// Doubles the span: every knot takes in its neighbour.
+    /// Doubles the span: merges each knot with its neighbour.
     fn merge(&mut self) {
         let mut merged: Vec<Knot, KNOTS> = Vec::new();
         for pair in self.knots.chunks(2) {

@@ -15,12 +15,12 @@ pub(crate) struct Track<const KNOTS: usize> {
     column_q16: i64,
     /// Filtered slope in 1/65536 px per row of readout.
     slope_q16: i32,
-    /// What the edge looks like, once it is confirmed and there are pixels to tell.
+    /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
     /// Mean distance of the last edges from where they were expected, in 1/65536 px.
     scatter_q16: u16,
     missed_rows: u16,
-    /// Edges since the last one that looked as expected.
+    /// Points since the last one that the model has located.
     unexpected_points: u8,
     /// It has been beside texture: its edges are stated to be as noisy as they scatter.
     is_beside_texture: bool,
@@ -41,7 +41,7 @@ const MOST_GUESSED_ROWS: u16 = 4;
 /// A line of fewer edges does not tell how steep it is; one of more is one of its own.
 const LEAST_STITCH_POINTS: u16 = 8;
 const MOST_STITCH_POINTS: u16 = 32;
-/// Edges that do not look as expected, after which a new look is taken.
+/// Points in succession that the model has not located, after which it is made anew.
 const MOST_UNEXPECTED_POINTS: u8 = 8;
 /// From so many edges on they tell how much they scatter.
 const SCATTER_POINTS: i64 = 12;
@@ -179,8 +179,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.is_beside_texture { off_q16.clamp(-2 * scatter_q16, 2 * scatter_q16) } else { off_q16 }
     }
 
-    /// Takes an edge that its row shows on its own. Where these go on and none looks as expected, what was seen when the line
-    /// was confirmed was something else.
+    /// Takes a point that its row shows on its own. Where these go on and the model locates none, it was made from something
+    /// else when the line was confirmed.
     pub(crate) fn take_scanned(&mut self, point: EdgePoint, limits: &Limits) -> bool {
         let taken = self.take(EdgePoint { sigma_q16: self.stated_sigma_q16(point.sigma_q16), ..point }, limits);
         self.unexpected_points = self.unexpected_points.saturating_add(u8::from(taken));
@@ -191,7 +191,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         taken
     }
 
-    /// The edge in a row of pixels, from its profile.
+    /// The edge's point in a row of pixels, by the edge's model.
     pub(crate) fn locate(
         &mut self,
         prediction: &Prediction,
@@ -213,12 +213,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         Some(found.at(at.row, at.time_ns))
     }
 
-    /// Whether the line is out of sight: it is then not looked for any more, where texture would soon pass for it.
+    /// Whether the line is hidden. It is then no longer located by its model, which would soon take texture for it.
     pub(crate) fn is_hidden(&self) -> bool {
         self.model.is_some() && self.missed_rows > MOST_GUESSED_ROWS
     }
 
-    /// Whether the line is so young that it may be a piece of an older one, and old enough to tell how steep it is.
+    /// Whether the line is so short that it may continue a hidden one, and long enough for its slope to be known.
     pub(crate) fn is_stitchable(&self) -> bool {
         self.state == State::Confirmed && (LEAST_STITCH_POINTS..=MOST_STITCH_POINTS).contains(&self.line.points())
     }

@@ -1,4 +1,4 @@
-//! Checks of vectors that come from outside.
+//! Checks of the vectors that users hand over.
 
 use crate::error::ParameterError;
 use crate::scalar::{Scalar, dot};
@@ -17,7 +17,7 @@ pub(crate) fn checked_rate<S: Scalar>(rate_rad_s: [S; 3]) -> Result<[S; 3], Para
     Ok(rate_rad_s)
 }
 
-/// As a unit vector.
+/// The direction as a unit vector.
 pub(crate) fn checked_direction<S: Scalar>(gravity: [S; 3]) -> Result<[S; 3], ParameterError> {
     check("gravity", gravity, 1_000, "finite, at most 1000 (only its direction counts)")?;
     let length = dot(gravity, gravity).sqrt();

@@ -1,6 +1,6 @@
-//! Where the camera is at any time of a frame, and where down is.
+//! Where the camera is at any time of a frame, and which way is down.
 
-mod turn;
+mod rotation;
 mod motion;
 mod checked;
 mod twist;

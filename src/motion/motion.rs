@@ -1,15 +1,15 @@
-//! [`Motion`]: where the camera is at any time of the frame, and where down is.
+//! [`Motion`]: where the camera is at any time of the frame, and which way is down.
 
-use super::turn::Turn;
+use super::rotation::Rotation;
 use crate::scalar::{Scalar, add, dot, scale};
 
-/// Position, attitude and their changes at one time, in the axes of the frame-start camera.
+/// Position, attitude and their rates at one time, in the axes of the frame-start camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pose<S> {
-    /// Position since frame start in metres.
+    /// Position in metres; zero at frame start.
     pub position_m: [S; 3],
-    /// Rotation from the camera's axes now to those at frame start, row by row.
+    /// Rotation matrix from the camera's axes at this time to those at frame start, as rows.
     pub rotation: [[S; 3]; 3],
     /// Velocity in metres per second.
     pub velocity_m_s: [S; 3],
@@ -18,7 +18,7 @@ pub struct Pose<S> {
 }
 
 impl<S: Scalar> Pose<S> {
-    /// Frame start itself, at rest.
+    /// The pose at frame start, at rest.
     pub(crate) const START: Self = Self {
         position_m: [S::ZERO; 3],
         rotation: [[S::ONE, S::ZERO, S::ZERO], [S::ZERO, S::ONE, S::ZERO], [S::ZERO, S::ZERO, S::ONE]],
@@ -26,28 +26,29 @@ impl<S: Scalar> Pose<S> {
         rate_rad_s: [S::ZERO; 3],
     };
 
-    /// A direction of the camera's axes, turned into those of the frame-start camera.
+    /// Rotates a direction from the camera's axes at this time into those at frame start.
     #[must_use]
-    pub fn turn(&self, direction: [S; 3]) -> [S; 3] {
+    pub fn rotate(&self, direction: [S; 3]) -> [S; 3] {
         self.rotation.map(|row| dot(row, direction))
     }
 
-    /// Position and attitude after moving on at a constant velocity and rotation rate *in the camera's axes*: on an arc.
+    /// Position and attitude after moving on for a time at a velocity and a rotation rate that are constant *in the
+    /// camera's axes*: along an arc.
     pub(crate) fn moved(self, velocity_m_s: [S; 3], rate_rad_s: [S; 3], time_s: S) -> Self {
-        let turn = Turn::by(scale(rate_rad_s, time_s));
-        let way = self.turn(turn.arc(scale(velocity_m_s, time_s)));
-        let [first, second, third] = turn.rotation();
+        let step = Rotation::from_vector(scale(rate_rad_s, time_s));
+        let displacement = self.rotate(step.displacement(scale(velocity_m_s, time_s)));
+        let [first, second, third] = step.matrix();
         let rotation = self.rotation.map(|[x, y, z]| add(add(scale(first, x), scale(second, y)), scale(third, z)));
-        Self { position_m: add(self.position_m, way), rotation, ..self }
+        Self { position_m: add(self.position_m, displacement), rotation, ..self }
     }
 }
 
 /// A camera's motion during one frame.
 ///
-/// [`Twist`](crate::Twist) is the usual one, [`Trajectory`](crate::Trajectory) makes one of what sensors deliver; implement the trait
-/// for anything else. At time zero the position must be zero and the rotation none.
+/// [`Twist`](crate::Twist) is the usual one, and [`Trajectory`](crate::Trajectory) makes one from what sensors deliver;
+/// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
-    /// Pose `time_s` seconds after frame start. Called once per knot of a line.
+    /// Pose `time_s` seconds after frame start. Called up to three times for each knot of a line.
     fn pose(&self, time_s: S) -> Pose<S>;
 
     /// Unit vector "down" in the axes of the frame-start camera; `[0, 1, 0]` for a level one.

@@ -1,4 +1,4 @@
-//! One stream of stamped vectors: which instant a stamp means, how far a value is trusted, and its value at any time.
+//! One stream of stamped vectors: which instant a stamp means, for how long a value is trusted, and the value at any time.
 
 use heapless::Deque;
 
@@ -9,7 +9,7 @@ use crate::scalar::{NS_PER_S, Scalar, add, scale, sub};
 /// 146 years in nanoseconds: differences of such times cannot overflow.
 const MAX_TIME_NS: u64 = 1 << 62;
 
-/// Seconds of a difference of times, which alone is small enough for single precision.
+/// A time difference in seconds; a time itself would have too many digits for single precision.
 pub(crate) fn seconds<S: Scalar>(difference_ns: i64) -> S {
     S::from_ratio(difference_ns, NS_PER_S)
 }
@@ -26,7 +26,7 @@ pub(crate) struct Stamped<S> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Stream<S, const N: usize> {
     stream: TrajectoryStream,
-    /// `None` where there is no such sensor: no samples, no gaps, and the value is zero.
+    /// `None` where there is no such sensor: then there are no samples and no gaps, and the value is zero.
     stamps: Option<StampConvention>,
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     samples: Deque<Stamped<S>, N>,
@@ -54,50 +54,53 @@ impl<S: Scalar, const N: usize> Stream<S, N> {
         if self.samples.is_full() {
             self.samples.pop_front();
         }
-        // There is room now.
+        // Not full: room was made above.
         let _ = self.samples.push_back(Stamped { time_ns, value });
         Ok(())
     }
 
-    /// Whether all values between two times are trusted.
-    pub(crate) fn cover(&self, from_ns: i64, to_ns: i64) -> Result<(), TrajectoryGap> {
+    /// Whether the values at all times from `from_ns` to `to_ns` are trusted.
+    ///
+    /// *Errors*: the first gap that is longer than the clock allows.
+    pub(crate) fn check_gaps(&self, from_ns: i64, to_ns: i64) -> Result<(), TrajectoryGap> {
         let stream = self.stream;
         let Some(stamps) = &self.stamps else { return Ok(()) };
         let (Some(first), Some(last)) = (self.samples.front(), self.samples.back()) else {
             return Err(TrajectoryGap::Missing(stream));
         };
         let max_gap_ns = stamps.clock().max_gap_ns;
-        let trust = |from: i64, to: i64, at_ns| match to.saturating_sub(from) {
+        let check = |from: i64, to: i64, at_ns| match to.saturating_sub(from) {
             gap if gap > 0 && gap.unsigned_abs() > max_gap_ns => {
                 Err(TrajectoryGap::Stale { stream, at_ns, gap_ns: gap.unsigned_abs(), max_gap_ns })
             }
             _ => Ok(()),
         };
-        trust(from_ns, first.time_ns, from_ns)?;
+        check(from_ns, first.time_ns, from_ns)?;
         let pairs = self.samples.iter().zip(self.samples.iter().skip(1));
         for (before, after) in pairs.filter(|(before, after)| after.time_ns > from_ns && before.time_ns < to_ns) {
-            trust(before.time_ns, after.time_ns, before.time_ns.max(from_ns))?;
+            check(before.time_ns, after.time_ns, before.time_ns.max(from_ns))?;
         }
-        trust(last.time_ns, to_ns, to_ns)
+        check(last.time_ns, to_ns, to_ns)
     }
 
-    /// How many samples there are up to a time, that time included or not. A binary search.
+    /// Number of samples before a time, those at that time included or not. A binary search.
     pub(crate) fn count_until(&self, time_ns: i64, inclusive: bool) -> usize {
         let until = |sample: &Stamped<S>| sample.time_ns < time_ns || (inclusive && sample.time_ns == time_ns);
         let (older, newer) = self.samples.as_slices();
         older.partition_point(until) + newer.partition_point(until)
     }
 
-    /// The samples on either side: the last of `count`, and the next one.
+    /// The last of the first `count` samples, and the one after it.
     pub(crate) fn around(&self, count: usize) -> (Option<&Stamped<S>>, Option<&Stamped<S>>) {
         (count.checked_sub(1).and_then(|index| self.samples.get(index)), self.samples.get(count))
     }
 
-    /// The value `time_s` after `zero_ns`, between the last of `count` samples and the next one. Held at the ends.
+    /// The value `time_s` after `zero_ns`, which lies between the last of the first `count` samples and the next one. The
+    /// first and the last value hold beyond the ends.
     pub(crate) fn value(&self, count: usize, zero_ns: i64, time_s: S) -> [S; 3] {
         match (self.around(count), &self.stamps) {
             ((Some(before), Some(after)), Some(StampConvention::Instant(_))) => {
-                blend(before.value, after.value, part(before, after, zero_ns, time_s))
+                interpolate(before.value, after.value, fraction(before, after, zero_ns, time_s))
             }
             ((_, Some(sample)) | (Some(sample), None), _) => sample.value,
             ((None, None), _) => [S::ZERO; 3],
@@ -105,14 +108,14 @@ impl<S: Scalar, const N: usize> Stream<S, N> {
     }
 }
 
-/// How far a time is on the way from one sample to the next, 0 to 1.
-pub(crate) fn part<S: Scalar>(before: &Stamped<S>, after: &Stamped<S>, zero_ns: i64, time_s: S) -> S {
+/// Where the time `time_s` after `zero_ns` lies between two samples: 0 at the one before, 1 at the one after.
+pub(crate) fn fraction<S: Scalar>(before: &Stamped<S>, after: &Stamped<S>, zero_ns: i64, time_s: S) -> S {
     let before_s: S = seconds(before.time_ns.saturating_sub(zero_ns));
     let interval_s = seconds::<S>(after.time_ns.saturating_sub(before.time_ns));
-    // Samples that coincide after rounding give no number, which `max` leaves out.
+    // NaN where two samples coincide after rounding; `max` then takes the zero.
     ((time_s - before_s) / interval_s).max(S::ZERO).min(S::ONE)
 }
 
-pub(crate) fn blend<S: Scalar>(before: [S; 3], after: [S; 3], part: S) -> [S; 3] {
-    add(before, scale(sub(after, before), part))
+pub(crate) fn interpolate<S: Scalar>(before: [S; 3], after: [S; 3], fraction: S) -> [S; 3] {
+    add(before, scale(sub(after, before), fraction))
 }

@@ -1,15 +1,16 @@
-//! [`SensorClock`] and [`StampConvention`]: when a stamped sample was taken.
+//! [`SensorClock`] and [`StampConvention`]: which instant of the camera's clock a stamp means.
 
-/// The clock of a stream of samples, and how long its values may be used.
+/// The clock of a stream of samples, and for how long its values are trusted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SensorClock {
-    /// Nanoseconds to add to a stamp for the camera's time: positive where the stream's clock is behind. The delay of a
-    /// filter is subtracted here.
+    /// Nanoseconds to add to a stamp for the camera's time: positive where the stream's clock is behind. Subtract the delay
+    /// of the sensor's filter from it.
     pub offset_ns: i64,
-    /// Longest time in nanoseconds between two samples, from the last sample on and up to the first, over which values
-    /// are trusted. Three periods of the sensor, say: then two samples may be lost. Beyond it there is a [`TrajectoryGap`](crate::TrajectoryGap).
+    /// Longest time in nanoseconds without a sample over which values are trusted: between two samples, before the first
+    /// and after the last. More is a [`TrajectoryGap`](crate::TrajectoryGap). With three periods of the sensor, two samples
+    /// in succession may be lost.
     pub max_gap_ns: u64,
 }
 
@@ -18,10 +19,12 @@ pub struct SensorClock {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum StampConvention {
-    /// The value is that of the stamped instant, and changes linearly between samples: a gyroscope read at once.
+    /// The value is that of the stamped instant, and changes linearly between samples: a gyroscope that is stamped when it
+    /// is read.
     Instant(SensorClock),
-    /// The value is the mean since the stamp before, and constant over that time: ticks of a wheel, divided by the time
-    /// in which they were counted; an integrating gyroscope. Taken for [`StampConvention::Instant`] it is late by half a period.
+    /// The value is the mean since the previous stamp, and is taken to be constant over that time: ticks of a wheel divided
+    /// by the time in which they were counted, or an integrating gyroscope. Such values declared as
+    /// [`Instant`](Self::Instant) would lag by half a period.
     MeanSincePrevious(SensorClock),
 }
 

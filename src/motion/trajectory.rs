@@ -1,38 +1,40 @@
-//! [`Trajectory`]: the motion of a frame from the samples of wheel odometry and an inertial sensor.
+//! [`Trajectory`]: the motion of a frame from samples of wheel odometry and an inertial sensor.
 
 use core::ops::RangeInclusive;
 
 use super::checked::{checked_direction, checked_rate, checked_velocity};
 use super::motion::{Motion, Pose};
-use super::sample_buffer::{Stamped, Stream, blend, part, seconds};
+use super::sample_buffer::{Stamped, Stream, fraction, interpolate, seconds};
 use super::sensor_clock::{SensorClock, StampConvention};
 use crate::error::{TrajectoryError, TrajectoryGap, TrajectoryStream};
 use crate::scalar::{Scalar, dot};
 
-/// What a [`Trajectory`] is made of: the stamps of each stream, or that there is none.
+/// Which streams a [`Trajectory`] has, and what their stamps mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TrajectoryConfig {
-    /// Of the velocity.
+    /// Stamps of the velocity.
     pub velocity: StampConvention,
-    /// Of the rotation rate. `None`: the camera does not turn.
+    /// Stamps of the rotation rate; `None` for a camera that does not turn.
     pub rate: Option<StampConvention>,
-    /// Of the direction of gravity, each at the instant of its stamp. `None`: the camera is level at every frame start.
+    /// Clock of the direction of gravity, whose values are those of the stamped instants; `None` for a camera that is level
+    /// at every frame start.
     pub gravity: Option<SensorClock>,
 }
 
-/// The last `N` samples each of velocity, rotation rate and gravity, with stamps of their own clocks, as a [`Motion`] for
-/// any frame.
+/// The last `N` samples each of velocity, rotation rate and gravity, stamped by their own clocks, from which it makes the
+/// [`Motion`] of any frame.
 ///
-/// All values are in the camera's axes *at their own instant*, as sensors that are bolted to it see them (turn them
-/// into its axes before). The streams may have different rates, and a frame may lie before, between or after samples:
-/// values are held there as long as their [`SensorClock`] trusts them. Where one is missing or stale there is no motion,
-/// but a [`TrajectoryGap`] with its number. The oldest samples give way when the table is full.
+/// All values are in the camera's axes *at their own instant*, as sensors fixed to the camera measure them; rotate them
+/// from the sensor's axes into the camera's first. The streams may have different rates, and a frame may lie before,
+/// between or after the samples: values hold for as long as their [`SensorClock`] trusts them. Where one is missing or
+/// stale there is no motion but a [`TrajectoryGap`], which says for how long. A full buffer drops its oldest sample.
 ///
-/// Between neighbouring stamps of any stream the twist is constant, with the values in the middle: exact for a constant
-/// twist (an arc: a [`Twist`](crate::Twist) keeps its direction in space instead) and for a velocity that changes linearly
-/// without rotation, of second order otherwise.
+/// From one stamp to the next, of whatever stream, velocity and rotation rate are taken to be constant in the camera's
+/// axes, at their values halfway. That is exact for constant ones (the camera then moves along an arc, where a
+/// [`Twist`](crate::Twist) keeps its direction in space) and for a velocity that changes linearly without rotation.
+/// Otherwise the error is of second order in the time between stamps.
 ///
 /// *Memory*: three times `N` × (8 bytes + 3 numbers), in `f32` 24 bytes.
 ///
@@ -57,7 +59,7 @@ pub struct TrajectoryConfig {
 /// let motion = trajectory.frame(20_000_000, 0..=readout.row_time_ns(479))?;
 /// assert!((motion.pose(0.03).position_m[2] - 0.036).abs() < 1e-5);
 ///
-/// // Three frames later the gyroscope is silent since 35 ms.
+/// // Three frames later the gyroscope has been silent since 75 ms.
 /// let gap = trajectory.frame(120_000_000, 0..=readout.row_time_ns(479)).unwrap_err();
 /// assert!(gap.to_string().starts_with("no rotation rate at 153"));
 /// # Ok::<(), Box<dyn core::error::Error>>(())
@@ -73,22 +75,22 @@ pub struct Trajectory<S, const N: usize> {
 impl<S: Scalar, const N: usize> Trajectory<S, N> {
     const AT_LEAST_ONE: () = assert!(N >= 1, "a trajectory needs room for a sample");
 
-    /// Without samples.
+    /// A trajectory without samples.
     #[must_use]
-    pub const fn new(streams: TrajectoryConfig) -> Self {
+    pub const fn new(config: TrajectoryConfig) -> Self {
         let () = Self::AT_LEAST_ONE;
-        let gravity = match streams.gravity {
+        let gravity = match config.gravity {
             Some(clock) => Some(StampConvention::Instant(clock)),
             None => None,
         };
         Self {
-            velocity: Stream::new(TrajectoryStream::Velocity, Some(streams.velocity)),
-            rate: Stream::new(TrajectoryStream::Rate, streams.rate),
+            velocity: Stream::new(TrajectoryStream::Velocity, Some(config.velocity)),
+            rate: Stream::new(TrajectoryStream::Rate, config.rate),
             gravity: Stream::new(TrajectoryStream::Gravity, gravity),
         }
     }
 
-    /// Forgets all samples: where a clock was set back.
+    /// Forgets all samples; for use after a clock was set back.
     pub fn clear(&mut self) {
         self.velocity.clear();
         self.rate.clear();
@@ -97,7 +99,7 @@ impl<S: Scalar, const N: usize> Trajectory<S, N> {
 
     /// Takes a velocity in m/s, in the camera's axes of that instant.
     ///
-    /// *Errors*: a component that is not finite or beyond 10000 m/s; a stamp that is not later than the one before, or
+    /// *Errors*: a component that is not finite or beyond 10000 m/s; a stamp that is not later than the previous one, or
     /// beyond ±2⁶² ns.
     pub fn push_velocity(&mut self, stamp_ns: i64, velocity_m_s: [S; 3]) -> Result<(), TrajectoryError> {
         self.velocity.push(stamp_ns, checked_velocity(velocity_m_s)?)
@@ -105,37 +107,37 @@ impl<S: Scalar, const N: usize> Trajectory<S, N> {
 
     /// Takes a rotation rate in rad/s, with the signs of [`Twist::new`](crate::Twist::new).
     ///
-    /// *Errors*: as [`Trajectory::push_velocity`], with 1000 rad/s; a trajectory that was made without rotation rate.
+    /// *Errors*: as [`Trajectory::push_velocity`], but beyond 1000 rad/s; a trajectory that was made without rotation rate.
     pub fn push_rate(&mut self, stamp_ns: i64, rate_rad_s: [S; 3]) -> Result<(), TrajectoryError> {
         self.rate.push(stamp_ns, checked_rate(rate_rad_s)?)
     }
 
-    /// Takes the direction of "down", of any length: an accelerometer at rest shows its opposite.
+    /// Takes the direction of "down", a vector of any length: an accelerometer at rest shows its opposite.
     ///
     /// *Errors*: as [`Trajectory::push_velocity`]; a gravity without direction; a trajectory that was made without gravity.
     pub fn push_gravity(&mut self, stamp_ns: i64, gravity: [S; 3]) -> Result<(), TrajectoryError> {
         self.gravity.push(stamp_ns, checked_direction(gravity)?)
     }
 
-    /// The motion of the frame that starts (middle of the exposure of the row read first) at `start_ns` of the camera's
-    /// clock. `window_ns` is when poses will be asked for, in nanoseconds since frame start: `0..=` the time of the row
-    /// read last; up to the interval of frames, or from before zero, to get from frame to frame.
+    /// The motion of the frame that starts at `start_ns` of the camera's clock: the middle of the exposure of the row read
+    /// first. Poses can be asked for within `window_ns`, in nanoseconds since frame start: from zero to the time of the row
+    /// read last for a single frame, and up to the frame interval, or from before zero, to get from frame to frame.
     ///
-    /// Gravity at frame start is interpolated between the samples on either side, each turned along with the camera
-    /// to frame start; the rotation rate must then cover their stamps, too.
+    /// Gravity at frame start is interpolated between the samples before and after it, which are first rotated to frame
+    /// start with the camera's rotation; so the rotation rate must be known at their stamps, too.
     ///
-    /// *Errors*: what is missing or stale, see [`TrajectoryGap`].
+    /// *Errors*: the first stream that is missing or stale, as a [`TrajectoryGap`].
     ///
-    /// *Cost*: two comparisons for each sample, and two poses where there is a gravity.
+    /// *Cost*: two comparisons for each sample, and two poses where there is a stream of gravity.
     pub fn frame(&self, start_ns: i64, window_ns: RangeInclusive<i64>) -> Result<FrameMotion<'_, S, N>, TrajectoryGap> {
         let from_ns = start_ns.saturating_add(0.min(*window_ns.start()));
         let to_ns = start_ns.saturating_add(0.max(*window_ns.end()));
-        self.velocity.cover(from_ns, to_ns)?;
-        self.gravity.cover(start_ns, start_ns)?;
+        self.velocity.check_gaps(from_ns, to_ns)?;
+        self.gravity.check_gaps(start_ns, start_ns)?;
         let (before, after) = self.gravity.around(self.gravity.count_until(start_ns, true));
         let from_ns = before.map_or(from_ns, |sample| from_ns.min(sample.time_ns));
         let to_ns = after.map_or(to_ns, |sample| to_ns.max(sample.time_ns));
-        self.rate.cover(from_ns, to_ns)?;
+        self.rate.check_gaps(from_ns, to_ns)?;
         let level = FrameMotion { trajectory: self, start_ns, gravity: [S::ZERO, S::ONE, S::ZERO] };
         let gravity = level.gravity_between(before, after);
         Ok(FrameMotion { gravity, ..level })
@@ -145,7 +147,7 @@ impl<S: Scalar, const N: usize> Trajectory<S, N> {
 /// The motion of one frame, from [`Trajectory::frame`].
 ///
 /// *Cost of a pose*: for each stamp between frame start and its time two binary searches and some 150 operations.
-/// Outside the window that was asked for, values are held however old they are.
+/// Outside the window that was asked for, the nearest values hold however old they are.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrameMotion<'a, S, const N: usize> {
@@ -155,24 +157,25 @@ pub struct FrameMotion<'a, S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> FrameMotion<'_, S, N> {
-    /// The samples' directions at frame start, in its axes.
+    /// Gravity at frame start in the axes there, from the samples before and after.
     fn gravity_between(&self, before: Option<&Stamped<S>>, after: Option<&Stamped<S>>) -> [S; 3] {
-        let turned =
-            |sample: &Stamped<S>| self.pose(seconds(sample.time_ns.saturating_sub(self.start_ns))).turn(sample.value);
+        let at_start =
+            |sample: &Stamped<S>| self.pose(seconds(sample.time_ns.saturating_sub(self.start_ns))).rotate(sample.value);
         match (before, after) {
             (Some(before), Some(after)) => {
-                let down = blend(turned(before), turned(after), part(before, after, self.start_ns, S::ZERO));
+                let fraction = fraction(before, after, self.start_ns, S::ZERO);
+                let down = interpolate(at_start(before), at_start(after), fraction);
                 let length = dot(down, down).sqrt();
-                // Opposite directions have none in between.
-                if length > S::ratio(1, 1_000) { down.map(|component| component / length) } else { turned(before) }
+                // There is no direction halfway between opposite ones.
+                if length > S::ratio(1, 1_000) { down.map(|component| component / length) } else { at_start(before) }
             }
-            (Some(sample), None) | (None, Some(sample)) => turned(sample),
+            (Some(sample), None) | (None, Some(sample)) => at_start(sample),
             (None, None) => self.gravity,
         }
     }
 
-    /// The stretch from `from_ns` (of the camera's clock) to the next stamp of a stream, forwards or backwards.
-    fn stretch(&self, from_ns: i64, forwards: bool) -> Stretch {
+    /// The segment from `from_ns` (of the camera's clock) to the next stamp of any stream, forwards or backwards.
+    fn segment(&self, from_ns: i64, forwards: bool) -> Segment {
         let Trajectory { velocity, rate, .. } = self.trajectory;
         let velocities = velocity.count_until(from_ns, forwards);
         let rates = rate.count_until(from_ns, forwards);
@@ -183,21 +186,24 @@ impl<S: Scalar, const N: usize> FrameMotion<'_, S, N> {
         } else {
             of_velocity.0.into_iter().chain(of_rate.0).map(time_ns).max()
         };
-        Stretch { velocities, rates, end_ns }
+        Segment { velocities, rates, end_ns }
     }
 
-    /// Velocity and rotation rate in the camera's axes at a time within a stretch.
-    fn twist(&self, stretch: &Stretch, time_s: S) -> ([S; 3], [S; 3]) {
+    /// Velocity and rotation rate in the camera's axes at a time within a segment.
+    fn twist(&self, segment: &Segment, time_s: S) -> ([S; 3], [S; 3]) {
         let Trajectory { velocity, rate, .. } = self.trajectory;
-        let velocity = velocity.value(stretch.velocities, self.start_ns, time_s);
-        (velocity, rate.value(stretch.rates, self.start_ns, time_s))
+        let velocity = velocity.value(segment.velocities, self.start_ns, time_s);
+        (velocity, rate.value(segment.rates, self.start_ns, time_s))
     }
 }
 
-/// A time without stamps: how many samples of each stream come before it, and the stamp at which it ends, if any.
-struct Stretch {
+/// A segment of time between two stamps.
+struct Segment {
+    /// Number of samples of the velocity before it.
     velocities: usize,
+    /// Number of samples of the rotation rate before it.
     rates: usize,
+    /// The stamp at which it ends; `None` where there is no more.
     end_ns: Option<i64>,
 }
 
@@ -207,17 +213,17 @@ impl<S: Scalar, const N: usize> Motion<S> for FrameMotion<'_, S, N> {
         let mut pose = Pose::START;
         let (mut from_ns, mut from_s) = (self.start_ns, S::ZERO);
         loop {
-            let stretch = self.stretch(from_ns, forwards);
-            let end = stretch.end_ns.map(|end_ns| (end_ns, seconds(end_ns.saturating_sub(self.start_ns))));
+            let segment = self.segment(from_ns, forwards);
+            let end = segment.end_ns.map(|end_ns| (end_ns, seconds(end_ns.saturating_sub(self.start_ns))));
             let end = end.filter(|(_, end_s)| if forwards { *end_s < time_s } else { *end_s > time_s });
             let to_s = end.map_or(time_s, |(_, end_s)| end_s);
-            let (velocity, rate) = self.twist(&stretch, (from_s + to_s) * S::ratio(1, 2));
+            let (velocity, rate) = self.twist(&segment, (from_s + to_s) * S::ratio(1, 2));
             pose = pose.moved(velocity, rate, to_s - from_s);
             match end {
                 Some(end) => (from_ns, from_s) = end,
                 None => {
-                    let (velocity, rate) = self.twist(&stretch, time_s);
-                    return Pose { velocity_m_s: pose.turn(velocity), rate_rad_s: pose.turn(rate), ..pose };
+                    let (velocity, rate) = self.twist(&segment, time_s);
+                    return Pose { velocity_m_s: pose.rotate(velocity), rate_rad_s: pose.rotate(rate), ..pose };
                 }
             }
         }

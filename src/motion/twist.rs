@@ -2,13 +2,13 @@
 
 use super::checked::{checked_direction, checked_rate, checked_velocity};
 use super::motion::{Motion, Pose};
-use super::turn::Turn;
+use super::rotation::Rotation;
 use crate::error::ParameterError;
 use crate::scalar::{Scalar, scale};
 
 /// Constant velocity and constant rotation rate.
 ///
-/// For a camera that stands still before an object that moves, give the opposite of the object's velocity.
+/// For a camera that stands still before a moving object, give the opposite of the object's velocity.
 ///
 /// ```
 /// use shutter_range::{Motion, Twist};
@@ -29,9 +29,9 @@ pub struct Twist<S> {
 }
 
 impl<S: Scalar> Twist<S> {
-    /// From the camera's velocity (m/s) and rotation rate (rad/s, right-handed: positive about y turns right, about x
-    /// looks up, about z rolls the camera clockwise) in its own axes at frame start, and the direction of gravity there,
-    /// of any length: an accelerometer at rest shows its opposite.
+    /// From the camera's velocity (m/s) and rotation rate (rad/s), and the direction of gravity, all in the camera's axes at
+    /// frame start. Rates are right-handed: a positive one about x turns the view up, about y to the right, about z rolls
+    /// the camera clockwise. Gravity may have any length; an accelerometer at rest shows its opposite.
     ///
     /// *Errors*: a component that is not finite or beyond 10000 m/s and 1000 rad/s; a gravity without direction.
     pub fn new(velocity_m_s: [S; 3], rate_rad_s: [S; 3], gravity: [S; 3]) -> Result<Self, ParameterError> {
@@ -66,7 +66,7 @@ impl<S: Scalar> Motion<S> for Twist<S> {
     fn pose(&self, time_s: S) -> Pose<S> {
         Pose {
             position_m: scale(self.velocity_m_s, time_s),
-            rotation: Turn::by(scale(self.rate_rad_s, time_s)).rotation(),
+            rotation: Rotation::from_vector(scale(self.rate_rad_s, time_s)).matrix(),
             velocity_m_s: self.velocity_m_s,
             rate_rad_s: self.rate_rad_s,
         }

@@ -238,7 +238,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         if line3.tilt == S::ZERO || !(line3.inverse_depth < S::ZERO) {
             return Ok(solved);
         }
-        let mirrored = self.converge(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 });
+        // An error in this trial says nothing of the solution at hand.
+        let mirrored = self.settle(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 }).ok();
         let is_as_good = |other: &Solved<S, N>| {
             let [_, sigma_per_m, _] = other.solution.covariance().sigma;
             let is_in_front = other.line3.inverse_depth > S::ZERO && sigma_per_m < S::UNKNOWN;

@@ -57,9 +57,9 @@ impl<S: Scalar> Observation<S> {
         let ray = camera.ray(sample.column_px + spread.column_px * spreads, sample.row_px + spread.row_px * spreads)?;
         let pose = motion.pose(time_s);
         Some(Self {
-            direction: pose.turn([ray.u, ray.w, S::ONE]),
-            off_axis: pose.turn([ray.u, ray.w, S::ZERO]),
-            along_row: pose.turn([ray.du_dcolumn, ray.dw_dcolumn, S::ZERO]),
+            direction: pose.rotate([ray.u, ray.w, S::ONE]),
+            off_axis: pose.rotate([ray.u, ray.w, S::ZERO]),
+            along_row: pose.rotate([ray.du_dcolumn, ray.dw_dcolumn, S::ZERO]),
             position: pose.position_m,
             covariance: S::ZERO,
             advanced: scale(pose.velocity_m_s, time_s),

@@ -88,7 +88,7 @@ fn alternating_series(square: Q32, start: i32) -> Q32 {
     sum
 }
 
-/// The angle within ±π/4 of the nearest multiple of π/2, and that multiple.
+/// Reduces an angle by the nearest multiple of π/2: the rest, within ±π/4, and the multiple modulo 4.
 fn quadrant(angle: Q32) -> (Q32, i64) {
     let turns = (angle / HALF_PI + Q32::ratio(1, 2)).0.to_bits() >> 32;
     let whole = HALF_PI.0.saturating_mul_int(turns);
@@ -150,7 +150,7 @@ impl Scalar for Q32 {
         self.sin() / self.cos()
     }
 
-    /// Two Newton steps on the sine and cosine after a rational first guess.
+    /// A rational approximation, refined by two Newton steps.
     fn atan(self) -> Self {
         let steep = self.abs() > Self::ONE;
         let slope = if steep { Self::ONE / self } else { self };
@@ -170,7 +170,7 @@ impl Scalar for Q32 {
 
 #[cfg(feature = "serde")]
 impl serde::Serialize for Q32 {
-    /// As its bits, in units of 2⁻³², so that nothing is lost.
+    /// Writes the bits, in units of 2⁻³², so that nothing is lost.
     fn serialize<T: serde::Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
         serializer.serialize_i64(self.0.to_bits())
     }

@@ -1,4 +1,4 @@
-//! [`Scalar`]: what a number of a back end must be able to do.
+//! [`Scalar`]: what the solver needs of a number.
 
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -25,9 +25,9 @@ pub trait Scalar:
     const ZERO: Self;
     /// 1.
     const ONE: Self;
-    /// The relative spacing of numbers near one: steps below it are rounding.
+    /// The spacing of numbers near one: a smaller relative difference is rounding.
     const EPSILON: Self;
-    /// 10⁶: where a sigma of inverse depth is cut off. Beyond it nothing is known.
+    /// 10⁶, the largest sigma that an estimate states: it means that nothing is known.
     const UNKNOWN: Self;
 
     /// The whole number `value`, rounded where the type has fewer bits.
@@ -38,7 +38,7 @@ pub trait Scalar:
     fn from_f64(value: f64) -> Self;
     /// The value in double precision.
     fn to_f64(self) -> f64;
-    /// Neither NaN nor infinite nor at the end of the range.
+    /// Whether it is a number within the range: not NaN, not infinite and not saturated.
     fn is_finite(self) -> bool;
     /// Square root; zero for negative numbers, NaN for NaN.
     fn sqrt(self) -> Self;
@@ -51,7 +51,7 @@ pub trait Scalar:
     /// Arc tangent in radians, within ±π/2.
     fn atan(self) -> Self;
 
-    /// `value`/`denominator` of two small whole numbers, for constants in formulas.
+    /// `numerator / denominator` of two small whole numbers, for constants in formulas.
     fn ratio(numerator: i32, denominator: i32) -> Self {
         Self::from_i32(numerator) / Self::from_i32(denominator)
     }

@@ -1,10 +1,10 @@
-//! [`Camera`]: from a pixel to the direction it looks in.
+//! [`Camera`]: the direction in which each pixel looks.
 
 use super::distortion::Distortion;
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
 
-/// What makes a camera, before it is checked. Pixels are square unless `fy` says otherwise.
+/// Image size, focal lengths and principal point of a camera, all in pixels. [`Camera::new`] checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -24,7 +24,7 @@ pub struct Intrinsics<S> {
 }
 
 impl<S: Scalar> Intrinsics<S> {
-    /// From the focal length in pixels, with the principal point in the middle of the image.
+    /// Square pixels and the principal point in the middle of the image; the focal length is in pixels.
     #[must_use]
     pub fn centred(columns: u16, rows: u16, focal_px: S) -> Self {
         let middle = |size: u16| S::ratio(i32::from(size) - 1, 2);
@@ -62,7 +62,7 @@ pub struct Camera<S> {
     per_fy: S,
 }
 
-/// A direction `(u, w, 1)` in the camera's axes (x right, y down, z forward), and how it moves along the row.
+/// A direction `(u, w, 1)` in the camera's axes (x right, y down, z forward), and how it changes along the row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ray<S> {
@@ -76,11 +76,11 @@ pub struct Ray<S> {
     pub dw_dcolumn: S,
 }
 
-/// Largest image: columns and rows must fit 16.16 bits with their sign.
+/// Most columns or rows: a column in 1/65536 px must fit a signed number of 32 bits.
 const MAX_SIZE: u16 = 32_767;
 
 impl<S: Scalar> Camera<S> {
-    /// Checks the parameters once; from then on they are trusted.
+    /// A camera whose parameters have been checked.
     ///
     /// *Errors*: an empty image or one beyond 32767 pixels; a focal length that is not positive; a principal point
     /// further than one image size outside; a distortion that folds over inside the image, so that two directions
@@ -128,8 +128,9 @@ impl<S: Scalar> Camera<S> {
         &self.distortion
     }
 
-    /// Whether `row` is one of the image and `column_q16` (1/65536 px) lies within a pixel of its centres: detectors that
-    /// count pixels from their corners report an edge at the border half a pixel outside.
+    /// Whether a point lies in the image: its row is one of the image's, and its column, in 1/65536 px, is at most a pixel
+    /// beyond the outermost pixel centres. Detectors that count from the pixels' corners put an edge at the border half a
+    /// pixel beyond them.
     #[must_use]
     pub const fn contains(&self, column_q16: i32, row: u16) -> bool {
         const ONE: i32 = 1 << 16;
@@ -167,8 +168,8 @@ impl<S: Scalar> Camera<S> {
         [(column - self.intrinsics.cx) * self.per_fx, (row - self.intrinsics.cy) * self.per_fy]
     }
 
-    /// Walks from the principal point to the border of the image in 32 directions: the ideal point must move outwards
-    /// all the way and map back to where it came from.
+    /// Goes from the principal point to the border of the image in 32 directions: the ideal point must move outwards at
+    /// every step, and must map back to the recorded one.
     fn refuse_folding(&self) -> Result<(), ParameterError> {
         if self.distortion.is_none() {
             return Ok(());
@@ -194,25 +195,25 @@ impl<S: Scalar> Camera<S> {
         Ok(())
     }
 
-    /// Radius of the ideal point, or zero where the inversion fails or is about to.
+    /// Radius of the ideal point, or zero where the inversion fails or is close to failing.
     fn ideal_radius(&self, recorded: [S; 2]) -> S {
         let Some(ideal) = self.distortion.undistort(recorded) else {
             return S::ZERO;
         };
-        let there = self.distortion.distort(ideal.point);
-        let off = (there.point[0] - recorded[0]).abs() + (there.point[1] - recorded[1]).abs();
+        let back = self.distortion.distort(ideal.point);
+        let round_trip_error = (back.point[0] - recorded[0]).abs() + (back.point[1] - recorded[1]).abs();
         // 1e-4 px, or what the type resolves.
         let tolerance = (self.per_fx * S::ratio(1, 10_000)).max(S::EPSILON * S::from_i32(32));
-        // A fold squeezes its surroundings to nothing; keep clear of it, since it may come nearer between the spokes.
-        let squeezed = there.determinant() < S::ratio(1, 8);
+        // The scale of areas falls to zero at a fold, which may lie nearer between two of the directions than on them.
+        let near_fold = back.determinant() < S::ratio(1, 8);
         let [u, w] = ideal.point;
-        if off <= tolerance && !squeezed { (u * u + w * w).sqrt() } else { S::ZERO }
+        if round_trip_error <= tolerance && !near_fold { (u * u + w * w).sqrt() } else { S::ZERO }
     }
 
     /// The normalised point number `index` of 32 around the border of the image.
     fn border_point(&self, index: i32) -> [S; 2] {
         let Intrinsics { columns, rows, .. } = self.intrinsics;
-        // Two pixels outside: edges may lie one beyond the last pixel's centre.
+        // Two pixels outside, since a point may lie one pixel beyond the last pixel centre.
         let low = -S::from_i32(2);
         let right = S::from_i32(i32::from(columns) + 1);
         let bottom = S::from_i32(i32::from(rows) + 1);

@@ -22,7 +22,7 @@ pub struct Distortion<S> {
     pub k3: S,
 }
 
-/// A point, and how it moves with the point that it was computed from.
+/// The image of a point under the lens model or its inverse, with the Jacobian of the mapping there.
 pub(crate) struct Mapped<S> {
     pub(crate) point: [S; 2],
     /// `[[∂u/∂u, ∂u/∂w], [∂w/∂u, ∂w/∂w]]`
@@ -30,7 +30,7 @@ pub(crate) struct Mapped<S> {
 }
 
 impl<S: Scalar> Mapped<S> {
-    /// How much larger a small area is after the mapping: zero at a fold.
+    /// Scale of a small area under the mapping: zero at a fold.
     pub(crate) fn determinant(&self) -> S {
         let [[a, b], [c, d]] = self.jacobian;
         a * d - b * c
@@ -85,41 +85,41 @@ impl<S: Scalar> Distortion<S> {
         }
     }
 
-    /// From the recorded to the ideal point, by Newton's iteration from the recorded one; the Jacobian is that of the
-    /// *inverse*. `None` where the model folds over.
+    /// From the recorded to the ideal point, by Newton's method, which starts at the recorded one. The Jacobian is that of
+    /// this *inverse* mapping. `None` where the model folds over.
     ///
     /// *Cost*: two to five steps of about 60 operations for real lenses.
     pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<S>> {
         let mut point = recorded;
-        let mut there = self.distort(point);
-        let mut miss = off(recorded, there.point);
+        let mut mapped = self.distort(point);
+        let mut residual = difference(recorded, mapped.point);
         for _ in 0..MAX_STEPS {
-            let jacobian = there.inverse_jacobian()?;
+            let jacobian = mapped.inverse_jacobian()?;
             let [[iuu, iuw], [iwu, iww]] = jacobian;
-            let (mut du, mut dw) = (iuu * miss[0] + iuw * miss[1], iwu * miss[0] + iww * miss[1]);
+            let (mut du, mut dw) = (iuu * residual[0] + iuw * residual[1], iwu * residual[0] + iww * residual[1]);
             if !(du.abs() + dw.abs() > S::EPSILON * S::from_i32(8)) {
                 return Some(Mapped { point: [point[0] + du, point[1] + dw], jacobian });
             }
-            // A step that overshoots is halved: near a fold the tangent promises too much.
+            // A step that overshoots is halved: near a fold the linear model holds for short steps only.
             for _ in 0..MAX_HALVINGS {
-                let tried = [point[0] + du, point[1] + dw];
-                let landed = self.distort(tried);
-                let left = off(recorded, landed.point);
-                if size(left) < size(miss) {
-                    (point, there, miss) = (tried, landed, left);
+                let next = [point[0] + du, point[1] + dw];
+                let next_mapped = self.distort(next);
+                let next_residual = difference(recorded, next_mapped.point);
+                if size(next_residual) < size(residual) {
+                    (point, mapped, residual) = (next, next_mapped, next_residual);
                     break;
                 }
                 (du, dw) = (du * S::ratio(1, 2), dw * S::ratio(1, 2));
             }
         }
-        // Rounding can keep the last digits from settling; what is off by less than that has arrived.
-        let arrived = size(miss) <= S::EPSILON * S::from_i32(32);
-        there.inverse_jacobian().filter(|_| arrived).map(|jacobian| Mapped { point, jacobian })
+        // Rounding can keep the last digits from settling: a residual of that size counts as converged.
+        let converged = size(residual) <= S::EPSILON * S::from_i32(32);
+        mapped.inverse_jacobian().filter(|_| converged).map(|jacobian| Mapped { point, jacobian })
     }
 }
 
-fn off<S: Scalar>(target: [S; 2], point: [S; 2]) -> [S; 2] {
-    [target[0] - point[0], target[1] - point[1]]
+fn difference<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
+    [a[0] - b[0], a[1] - b[1]]
 }
 
 fn size<S: Scalar>([u, w]: [S; 2]) -> S {
@@ -128,7 +128,7 @@ fn size<S: Scalar>([u, w]: [S; 2]) -> S {
 
 const MAX_HALVINGS: usize = 6;
 
-/// Newton doubles the digits at each step; what has not settled by then folds over.
+/// Each step doubles the number of correct digits; a point that has not converged by then lies at or beyond a fold.
 const MAX_STEPS: usize = 24;
 
 impl<S: Scalar> Default for Distortion<S> {

@@ -1,31 +1,34 @@
-//! [`Limits`]: what counts as one line.
+//! [`Limits`]: which points make one line, and how long a line must be.
 
 use crate::error::ParameterError;
 
-/// What the tracker takes for one edge, and how long a line must be.
+/// Which points the tracker takes for those of one edge, and how long a line must be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Limits {
-    /// Steepest slope that a line may begin with, in 1/65536 px of column per row.
+    /// Steepest slope of a line when it is confirmed, in 1/65536 px of column per row.
     pub max_slope_q16: u32,
-    /// How far an edge may lie from the column that a young line predicts, beyond four sigma of its noise, in 1/65536 px;
-    /// an eighth of it where the line has 64 edges. Of pixels, no farther than four times as far as the line's edges scatter.
+    /// Half-width of the gate: how far a point may lie from the predicted column, beyond four sigma of its noise, in
+    /// 1/65536 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows of pixels the gate
+    /// is also at most four sigma of the scatter of the line's own points.
     pub gate_q16: u32,
-    /// Edges after which a tentative line is confirmed.
+    /// Points after which a tentative line is confirmed.
     pub confirm_points: u16,
-    /// Rows in a row without an edge after which a tentative line is dropped.
+    /// Consecutive rows without a point after which a tentative line is dropped.
     pub tentative_gap_rows: u16,
-    /// Rows in a row without an edge after which a confirmed line ends; two more for each edge it has, or one for every two where
-    /// its edges are somebody's own.
+    /// Consecutive rows without a point after which a confirmed line ends. A long line may be hidden for longer: by two
+    /// more rows for each of its points if they were found in rows of pixels, by half a row for each if they were handed
+    /// over as points.
     pub gap_rows: u16,
-    /// A line of fewer edges is `short`.
+    /// Points that make a range: a line of fewer is [`Short`](crate::RangeStatus::Short).
     pub min_points: u16,
 }
 
 impl Limits {
-    /// Up to one pixel per row; 2 px of gate; confirmed after 5 edges, over gaps of 2 rows, later 12; 8 edges make a range.
+    /// Slopes up to one pixel per row; a gate of 2 px; 5 points confirm a line and 8 make a range; gaps of 2 rows before and
+    /// 12 rows after a line is confirmed.
     pub const DEFAULT: Self = Self {
         max_slope_q16: 1 << 16,
         gate_q16: 2 << 16,

@@ -1,4 +1,4 @@
-//! What is known and checked once: the camera, when its rows are read, and how well everything is known.
+//! What is known and checked once: the camera, when its rows are read, and how well all of that is known.
 
 mod distortion;
 mod camera;

@@ -1,9 +1,10 @@
-//! [`MotionBlur`]: what is known of the blur of edges.
+//! [`MotionBlur`]: the exposure and the lens's own blur.
 
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
 
-/// What is known of the blur of edges: with it, motion blur bears witness against leaning edges.
+/// The exposure and the lens's own blur. With them the blur of an edge becomes a measurement of its motion, which tells a
+/// leaning edge from a moving one.
 ///
 /// A moving edge is smeared over its path during the exposure, whatever its lean; a slope without that blur is a lean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,18 +16,18 @@ pub struct MotionBlur<S> {
     pub exposure_s: S,
     /// One sigma of the lens's own blur in pixels, without that of the pixel itself.
     pub lens_blur_px: S,
-    /// How well the lens's blur is known, one standard deviation in pixels.
+    /// One standard deviation of `lens_blur_px`, in pixels.
     pub sigma_lens_blur_px: S,
 }
 
 impl<S: Scalar> MotionBlur<S> {
-    /// A known exposure and a lens of which nothing is known: 0.5 to 1.0 px.
+    /// A known exposure and an unknown lens, whose blur is taken to be anywhere from 0.5 to 1.0 px.
     #[must_use]
     pub fn from_exposure(exposure_s: S) -> Self {
         Self { exposure_s, lens_blur_px: S::ratio(3, 4), sigma_lens_blur_px: S::ratio(144, 1000) }
     }
 
-    /// A known exposure and a calibrated lens, good to 5 %.
+    /// A known exposure and a calibrated lens, whose blur is known to 5 %.
     #[must_use]
     pub fn from_calibrated_lens(exposure_s: S, lens_blur_px: S) -> Self {
         Self { exposure_s, lens_blur_px, sigma_lens_blur_px: lens_blur_px * S::ratio(1, 20) }

@@ -10,15 +10,16 @@ pub enum ReadoutDirection {
     /// Row 0 is read first.
     #[default]
     TopToBottom,
-    /// The last row is read first: the image was turned over after it was read.
+    /// The last row is read first: the image was turned upside down after it was read.
     BottomToTop,
 }
 
 /// Line time, number of rows and direction of a rolling shutter.
 ///
 /// The line time runs from the start of one row to the start of the next, *per row of the output image*: a sensor that
-/// skips or scales rows spends several of its own line times on one. It is neither the exposure nor one over the frame
-/// rate. A row's time is the middle of its exposure, counted from that of the row read first.
+/// skips or scales rows spends several of its own line times on one row of the image. It is neither the exposure nor the
+/// frame interval divided by the number of rows. A row's time is the middle of its exposure, counted from that of the row
+/// read first.
 ///
 /// ```
 /// use shutter_range::{Readout, ReadoutDirection};
@@ -133,7 +134,7 @@ impl Readout {
     /// The row that is read after `rows_before` others; the last one where there are not so many.
     #[must_use]
     pub const fn row_after(&self, rows_before: u16) -> u16 {
-        // The two counts mirror each other.
+        // Counting rows from either end is its own inverse.
         self.rows_before(rows_before)
     }
 

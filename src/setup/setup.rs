@@ -1,4 +1,4 @@
-//! [`Setup`]: everything that stays the same from frame to frame, checked once.
+//! [`Setup`]: all that stays the same from frame to frame, checked once.
 
 use super::camera::{Camera, Intrinsics};
 use super::distortion::Distortion;
@@ -9,9 +9,9 @@ use super::uncertainty::Uncertainty;
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
 
-/// Camera, readout, uncertainty and limits that fit together.
+/// Camera, readout, uncertainty and limits that go together.
 ///
-/// The motion is not part of it: it is measured anew for every frame and has its own check ([`Twist::new`](crate::Twist::new)).
+/// The motion is no part of it: it is measured anew for every frame and has its own check ([`Twist::new`](crate::Twist::new)).
 ///
 /// ```
 /// use shutter_range::{Setup, Uncertainty};
@@ -68,7 +68,7 @@ impl<S: Scalar> Setup<S> {
         Self::new(camera, Readout::from_frame_readout_ns(rows, frame_readout_ns, ReadoutDirection::TopToBottom)?)
     }
 
-    /// The same with what is known how well.
+    /// The same with another uncertainty of motion, readout, camera and edges.
     ///
     /// *Errors*: a sigma that is negative, not finite or above 1.
     pub fn with_uncertainty(self, uncertainty: Uncertainty<S>) -> Result<Self, ParameterError> {
@@ -105,13 +105,13 @@ impl<S: Scalar> Setup<S> {
         &self.readout
     }
 
-    /// What is known how well.
+    /// How well motion, readout, camera and the edges' tilt are known.
     #[must_use]
     pub const fn uncertainty(&self) -> &Uncertainty<S> {
         &self.uncertainty
     }
 
-    /// What is known of the blur, if anything.
+    /// The exposure and the lens's blur, if they are known.
     #[must_use]
     pub const fn motion_blur(&self) -> Option<&MotionBlur<S>> {
         self.motion_blur.as_ref()

@@ -1,31 +1,32 @@
-//! [`Uncertainty`]: how well the things that a frame cannot tell are known.
+//! [`Uncertainty`]: how well tilt, gravity, motion, readout and focal length are known.
 
 use crate::error::ParameterError;
 use crate::scalar::{Scalar, hypot};
 
-/// How well the things that a frame cannot tell are known: one standard deviation each.
+/// How well everything is known that a frame does not measure: one standard deviation each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Uncertainty<S> {
-    /// Lean of each edge in the image plane, as a slope (radians). In one frame nothing but this prior tells a leaning
-    /// edge from a near one; 0.1° is what the paper's field test shows. Zero: every edge is taken to be upright.
+    /// Lean of each edge in the image plane, as a slope (radians). In a single frame without a known exposure, nothing but
+    /// this prior tells a leaning edge from a near one; 0.1° is what the paper's field test shows. Zero: every edge is
+    /// taken to be upright.
     pub sigma_tilt: S,
-    /// Direction of gravity, roll and pitch alike, in radians.
+    /// Direction of gravity, in roll and in pitch, in radians.
     pub sigma_gravity: S,
-    /// Speed, relative.
+    /// Relative error of the speed.
     pub sigma_speed: S,
     /// Rotation rate about each axis, in rad/s.
     pub sigma_rate_rad_s: S,
-    /// Readout time, relative.
+    /// Relative error of the readout time.
     pub sigma_readout: S,
-    /// Focal length, relative.
+    /// Relative error of the focal length.
     pub sigma_focal: S,
 }
 
 impl<S: Scalar> Uncertainty<S> {
-    /// Everything known exactly, pixel noise apart.
+    /// All known exactly but the columns, whose noise each point states.
     pub const NONE: Self = Self {
         sigma_tilt: S::ZERO,
         sigma_gravity: S::ZERO,
@@ -77,7 +78,7 @@ impl<S: Scalar> Uncertainty<S> {
         self
     }
 
-    /// Of the tilt of an edge at a bearing: its own lean, the camera's roll, and its pitch, which enters with the bearing.
+    /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and bearing times the camera's pitch.
     pub(crate) fn sigma_tilt_at(&self, bearing: S) -> S {
         let gravity = hypot(self.sigma_gravity, self.sigma_gravity * bearing);
         hypot(self.sigma_tilt, gravity)
@@ -100,7 +101,7 @@ impl<S: Scalar> Uncertainty<S> {
 }
 
 impl<S: Scalar> Default for Uncertainty<S> {
-    /// A tilt of 0.1°, all else exact.
+    /// 0.1° of tilt, and all else exact.
     fn default() -> Self {
         Self { sigma_tilt: S::ratio(1_745, 1_000_000), ..Self::NONE }
     }

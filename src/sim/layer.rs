@@ -1,14 +1,14 @@
-//! One object on one row: how much of each pixel it takes.
+//! [`Layer`]: one object on one row, and how much of each pixel it covers.
 
 use super::blur::{BlurredStep, Walk};
 use super::exposure::Exposure;
 use super::scene::{Bar, Object, Rail};
 use super::view::{Lens, SeenLine, Vector, View};
 
-/// What stands still while a row is drawn: where things point, and how they are blurred.
+/// What all objects of a row have in common: the camera during the exposure, and the blur.
 pub(super) struct RowView<'a> {
     pub(super) lens: &'a Lens,
-    /// At the start, in the middle and at the end of the exposure.
+    /// The camera at the start, in the middle and at the end of the exposure.
     pub(super) views: [View; 3],
     pub(super) gravity: Vector,
     pub(super) exposure: &'a Exposure,
@@ -16,12 +16,13 @@ pub(super) struct RowView<'a> {
     pub(super) row: f64,
 }
 
-/// Blur below this is lost in the pixel's own.
+/// Least blur of the lens: less makes no difference behind the pixel's own box.
 const LEAST_SIGMA_PX: f32 = 0.05;
 
 impl RowView<'_> {
-    /// From a position at the three instants (Simpson's mean of it, and the way between the outer two) and the slope of
-    /// the edge: across a slanted edge the lens blurs over a longer stretch of the row, and so does the height of the pixel.
+    /// A step from its positions at the three instants of the exposure and the slope of the edge. Its position is Simpson's
+    /// mean of the three, its motion the distance of the outer two. Along the row, a slanted edge is blurred more: the lens
+    /// blurs across the edge, and the pixel has a height.
     fn blurred(&self, [start, middle, end]: [f64; 3], slope: f64) -> BlurredStep {
         let slope = slope as f32;
         let s2 = slope * slope;
@@ -56,7 +57,7 @@ impl RowView<'_> {
     }
 }
 
-/// Middle line's direction and the two edges' feet of a bar.
+/// Direction of a bar, and a point on each of its two edges.
 pub(super) fn bar_in_space(bar: &Bar, gravity: Vector) -> (Vector, [Vector; 2]) {
     let [gx, gy, gz] = gravity;
     let [across, down] = level_in_image(gravity);
@@ -67,7 +68,7 @@ pub(super) fn bar_in_space(bar: &Bar, gravity: Vector) -> (Vector, [Vector; 2]) 
     (along, [[middle - half, 0.0, depth], [middle + half, 0.0, depth]])
 }
 
-/// The direction in the image plane that is at right angles to gravity, to the right of a camera that stands upright.
+/// The horizontal direction in the image plane; it points to the right for a level camera.
 pub(super) fn level_in_image([gx, gy, _]: Vector) -> [f64; 2] {
     let length = libm::sqrt(gx * gx + gy * gy);
     if length > 0.0 { [gy / length, -gx / length] } else { [1.0, 0.0] }
@@ -85,7 +86,7 @@ enum Shape {
 }
 
 impl Layer {
-    /// `None` where the object does not touch the row.
+    /// `None` where the object covers nothing of the row.
     pub(super) fn new(object: &Object, view: &RowView<'_>) -> Option<Self> {
         let shape = match object {
             Object::Bar(bar) => bar_shape(bar, view),
@@ -94,7 +95,7 @@ impl Layer {
         shape.map(|shape| Self { level: object.level(), shape })
     }
 
-    /// Lays the object over the level of a pixel. Columns come in order.
+    /// Level of a pixel once the object has been laid over the level `behind` it. To be called for ascending columns.
     pub(super) fn cover(&mut self, column: f32, behind: f32) -> f32 {
         let cover = match &mut self.shape {
             Shape::Bar { edges: [left, right], height } => (left.next(column) - right.next(column)).abs() * *height,
@@ -118,12 +119,13 @@ fn bar_shape(bar: &Bar, view: &RowView<'_>) -> Option<Shape> {
     (!passes).then(|| Shape::Bar { edges: edges.map(Walk::new), height })
 }
 
-/// A rail's edge along the row: linear in the column, since lines stay lines.
+/// A rail's edge along the row, as a step down each column: linear in the column, since a projection keeps lines straight.
 struct Slant {
+    /// The step in column 0.
     first: BlurredStep,
     position_per_column: f32,
     motion_per_column: f32,
-    /// Of the motion with its sign, where `first` has none.
+    /// Motion in column 0 with its sign, which `first` does not have.
     motion: f32,
 }
 
@@ -157,7 +159,7 @@ impl Slant {
         }
     }
 
-    /// Over the whole row by less than 1/1000 px.
+    /// Whether the edge moves by less than 1/1000 px from the first column to the last.
     fn is_level(&self, columns: u16) -> bool {
         let drift = self.position_per_column.abs() + self.motion_per_column.abs();
         drift * f32::from(columns) < 0.001

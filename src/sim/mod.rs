@@ -1,5 +1,5 @@
-//! A deterministic scene before a moving rolling-shutter camera, as pixel rows: a first hour without a camera, and a
-//! self-test for firmware.
+//! A deterministic scene before a moving rolling-shutter camera, as rows of pixels: to start without a camera, and for
+//! firmware to test itself.
 //!
 //! [`Scene`] holds upright and leaning bars, rods and rails before a background; [`Simulator`] moves a camera past it
 //! and yields each pixel row with the blur of its exposure, that of the lens, shot noise and read noise;
@@ -7,9 +7,9 @@
 //! desktop and on a board: a pixel depends on nothing but the parameters, the seed, the frame, the row and the column.
 //!
 //! It is written from the physics and shares no formula with the estimator: it intersects the plane of a row's rays with
-//! each edge in space, at the start, the middle and the end of the row's exposure. The blur has a closed form:
-//! box of the motion ∗ Gauss of the lens ∗ box of the pixel. Nearer objects cover farther ones by the share of the pixel
-//! that they take.
+//! each edge in space, at the start, the middle and the end of the row's exposure. The blur has a closed form: the box of
+//! the motion, convolved with the Gaussian of the lens and the box of the pixel. A nearer object hides that share of what
+//! is behind a pixel which it covers.
 //!
 //! *Not rendered*: distortion (refused), blur and parallax of the background's texture, edges within 3° of a pixel row.
 //!

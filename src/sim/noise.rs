@@ -1,4 +1,4 @@
-//! Noise without a state: every pixel draws its own number from a hash of seed, frame, row and column.
+//! Noise without state: the number of each pixel is a hash of seed, frame, row and column.
 
 use super::exposure::Exposure;
 
@@ -9,14 +9,14 @@ pub(super) const fn mix(bits: u64) -> u64 {
     bits ^ (bits >> 31)
 }
 
-/// Hash of a key and one more number; chained, of any sequence.
+/// Hash of a key and one more number. Chained calls hash any sequence.
 pub(super) const fn hash(key: u64, number: u64) -> u64 {
     mix(key ^ number.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15))
 }
 
-/// A Gaussian number of variance one from 64 random bits: the sum of eight bytes, with its flat tails drawn out by a
-/// fitted polynomial. Against the normal distribution: variance to 0.01 %, kurtosis to 0.001, the share beyond
-/// 3 sigma to 1 %, beyond 4 sigma to 8 %; the largest value is 6.1.
+/// A normally distributed number of variance one from 64 random bits: the sum of eight bytes, whose short tails a fitted
+/// polynomial stretches. It agrees with the normal distribution to 0.01 % of its variance, 0.001 of its kurtosis, 1 % of
+/// the share beyond 3 sigma and 8 % of that beyond 4 sigma; the largest value is 6.1.
 fn gaussian(bits: u64) -> f32 {
     const LOW: u64 = 0x00FF_00FF_00FF_00FF;
     const LANES: u64 = 0x0001_0001_0001_0001;
@@ -33,7 +33,7 @@ pub(super) struct RowNoise {
     key: u64,
     read_variance: f32,
     shot_gain: f32,
-    /// Level and sigma of the pixel before, which most pixels share.
+    /// Level and sigma of the previous pixel, which are most often those of the next one.
     last: (f32, f32),
 }
 
@@ -61,9 +61,10 @@ impl RowNoise {
 mod tests {
     use super::{gaussian, mix};
 
-    /// Against the normal distribution: mean, variance, kurtosis, and the shares beyond 1 to 4 sigma.
+    /// Each bound is about four sigma of the statistic over four million numbers (√(1/n), √(2/n), √(15/n), √(96/n) for the
+    /// moments, √(1/np) for a share p), but for the shares beyond 1 and 2 sigma, which may be 1 % off as documented.
     #[test]
-    fn gaussian_moments_and_tails() {
+    fn gaussian_numbers_have_the_moments_and_tails_of_the_normal_distribution() {
         let count = 4_000_000_u64;
         let (mut sums, mut beyond) = ([0.0_f64; 4], [0_u32; 4]);
         for index in 0..count {

@@ -10,11 +10,13 @@ pub(super) struct RowTexture {
     level: f32,
     contrast: f32,
     key: u64,
-    /// Direction of column 0 in the first frame's axes, x and y in cells, and its change per column.
+    /// Direction of column 0 in the first frame's axes, x and y in cells.
     start: [f32; 3],
+    /// Its change per column.
     step: [f32; 3],
-    /// The cell of the pixel before and the values at its corners.
+    /// The cell of the previous pixel.
     cell: Option<[i32; 2]>,
+    /// Values at the corners of that cell.
     corners: [[f32; 2]; 2],
 }
 
@@ -31,14 +33,14 @@ impl RowTexture {
             level: background.level,
             contrast,
             key: mix(u64::from(seed)),
-            start: in_cells(view.outwards([u, w, 1.0])),
-            step: in_cells(view.outwards([next - u, 0.0, 0.0])),
+            start: in_cells(view.to_first_frame([u, w, 1.0])),
+            step: in_cells(view.to_first_frame([next - u, 0.0, 0.0])),
             cell: None,
             corners: [[0.0; 2]; 2],
         }
     }
 
-    /// Level of the background at a column. Sideways of the first frame's camera and behind it there is no texture.
+    /// Level of the background at a column. Beside and behind the first frame's camera there is no texture.
     pub(super) fn level(&mut self, column: f32) -> f32 {
         if self.contrast == 0.0 {
             return self.level;
@@ -65,11 +67,12 @@ impl RowTexture {
     }
 }
 
+/// Smoothstep: from 0 to 1 with a slope of zero at both ends.
 fn smooth(part: f32) -> f32 {
     part * part * (3.0 - 2.0 * part)
 }
 
-/// −1 to 1.
+/// The random value at a corner of the grid, −1 to 1.
 fn corner(key: u64, i: i32, j: i32) -> f32 {
     let bits = hash(hash(key, i as u64), j as u64) >> 40;
     bits as f32 * (2.0 / 16_777_215.0) - 1.0

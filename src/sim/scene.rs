@@ -10,8 +10,8 @@ use crate::error::ParameterError;
 
 /// A straight bar of constant grey, upright or leaning; a thin one is a rod.
 ///
-/// Its middle line runs through the point `(bearing · depth_m, 0, depth_m)` in the axes of the first frame's start, along
-/// gravity or leaning from it in the image plane. Both edges have that depth.
+/// Its middle line passes through the point `(bearing · depth_m, 0, depth_m)` in the axes of the first frame's start and
+/// follows gravity, or leans from it within the image plane. Both edges are at that depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -22,9 +22,9 @@ pub struct Bar {
     pub depth_m: f32,
     /// Width from the left to the right edge in metres, above zero to 10⁶.
     pub width_m: f32,
-    /// Upper end in metres, downwards along the bar from the camera's y = 0, −10⁶ to `bottom_m`.
+    /// Upper end in metres along the bar, counted downwards from the camera's y = 0, −10⁶ to `bottom_m`.
     pub top_m: f32,
-    /// Lower end in metres, `top_m` to 10⁶.
+    /// Lower end in metres, counted alike, `top_m` to 10⁶.
     pub bottom_m: f32,
     /// Lean in the image plane as a slope, −10 to 10; positive: the column grows with the row. Zero is upright.
     pub lean: f32,
@@ -33,7 +33,7 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// An upright bar that leaves the image at both ends: 1 km up and down.
+    /// An upright bar that crosses the whole image: from 1 km above the camera to 1 km below it.
     #[must_use]
     pub const fn upright(bearing: f32, depth_m: f32, width_m: f32, level: f32) -> Self {
         Self { bearing, depth_m, width_m, top_m: -1000.0, bottom_m: 1000.0, lean: 0.0, level }
@@ -64,7 +64,7 @@ impl Bar {
     }
 }
 
-/// A horizontal bar of constant grey, parallel to the first frame's image plane, that goes on to both sides for ever.
+/// A horizontal bar of constant grey and infinite length, parallel to the first frame's image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -94,14 +94,14 @@ const FAR_M: f32 = 1e6;
 const DEPTH_M: [f32; 2] = [0.01, FAR_M];
 const GREY: [f32; 2] = [0.0, 255.0];
 
-/// Anything that a [`Scene`] holds.
+/// An object of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Object {
-    /// Upright or leaning.
+    /// An upright or leaning bar.
     Bar(Bar),
-    /// Horizontal.
+    /// A horizontal one.
     Rail(Rail),
 }
 
@@ -135,7 +135,7 @@ impl From<Rail> for Object {
     }
 }
 
-/// What is seen where no object is: infinitely far away.
+/// What is seen where there is no object; infinitely far away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -186,7 +186,7 @@ impl<const OBJECTS: usize> Scene<OBJECTS> {
         Ok(Self { background, objects: Vec::new() })
     }
 
-    /// Puts up one more bar or rail; of those at the same depth the later one is in front.
+    /// Adds a bar or a rail. Where two are at the same depth, the one added later is in front.
     ///
     /// *Errors*: a field outside the limits that its documentation states; a scene that holds `OBJECTS` already.
     pub fn push(&mut self, object: impl Into<Object>) -> Result<(), ParameterError> {
@@ -199,7 +199,7 @@ impl<const OBJECTS: usize> Scene<OBJECTS> {
         if self.objects.is_full() {
             return Err(full);
         }
-        // What is nearer moves up by one place.
+        // Each nearer object moves up by one place.
         let mut placed = false;
         for slot in &mut self.objects {
             placed |= object.depth_m() > slot.depth_m();

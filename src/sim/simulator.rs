@@ -1,4 +1,4 @@
-//! [`Simulator`]: a scene, a camera and its motion; pixel rows and the truth.
+//! [`Simulator`]: from a scene, a camera and its motion to rows of pixels.
 
 use heapless::Vec;
 
@@ -14,8 +14,8 @@ use crate::setup::{Camera, Distortion, Readout};
 
 /// Yields the pixel rows that a rolling-shutter camera would record of a [`Scene`].
 ///
-/// The motion goes on for ever: [`Simulator::at_frame`] moves on to later frames. All random numbers depend on seed,
-/// frame, row and column only, so rows may come in any order and as often as liked.
+/// The motion continues without end: [`Simulator::at_frame`] gives any later frame. All random numbers depend on nothing
+/// but seed, frame, row and column, so rows can be rendered in any order and any number of times.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Simulator<'a, const OBJECTS: usize> {
@@ -33,10 +33,10 @@ pub struct Simulator<'a, const OBJECTS: usize> {
 }
 
 impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
-    /// At frame 0, which starts at time zero. `motion` is in the axes of its start, as are the objects of the scene.
+    /// A simulator at frame 0, which starts at time zero. `motion` and the objects of the scene are in the axes of its start.
     ///
-    /// *Errors*: a camera with distortion, which is not simulated; a readout with other rows than the camera; an exposure
-    /// outside the limits of its fields.
+    /// *Errors*: a camera with distortion, which is not simulated; a readout with another number of rows than the camera; an
+    /// exposure outside the limits of its fields.
     pub fn new(
         scene: &'a Scene<OBJECTS>,
         camera: &Camera<f32>,
@@ -78,24 +78,24 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         })
     }
 
-    /// The same, at another frame: its number, which only picks the noise, and the time of its start (the middle of the
-    /// exposure of the row read first) in nanoseconds since the start of frame 0.
+    /// The same at another frame: `frame` is its number, which selects the noise and nothing else, and `start_ns` the time of
+    /// its start (the middle of the exposure of the row read first) in nanoseconds since the start of frame 0.
     #[must_use]
     pub const fn at_frame(self, frame: u32, start_ns: i64) -> Self {
         Self { frame, start_ns, ..self }
     }
 
-    /// The camera's motion in the axes of *this* frame's start, as a range finder wants it; frame 0 has what was given.
+    /// The camera's motion in the axes of *this* frame's start, as a range finder needs it; in frame 0 it is as given.
     ///
-    /// *Errors*: none but where turning drives one component of an extreme velocity beyond the limit of [`Twist`].
+    /// *Errors*: a component of an extreme velocity that rotation has driven beyond the limit of [`Twist`].
     pub fn motion(&self) -> Result<Twist<f32>, ParameterError> {
         let view = self.view(0.0);
-        let turned = |vector| view.direction(vector).map(|component| component as f32);
+        let turned = |vector| view.to_camera(vector).map(|component| component as f32);
         Twist::new(turned(self.velocity_m_s), self.rate_rad_s.map(|rate| rate as f32), turned(self.gravity))
     }
 
-    /// Fills one row of the image, from column 0 on: as many pixels as the image has columns, or as there is room for;
-    /// the rest stays as it is. A row outside the image counts as the last one.
+    /// Renders one row of the image into `pixels`, from column 0 on: as many pixels as the image has columns, or as there is
+    /// room for; any further pixels are left as they are. A row beyond the image counts as the last one.
     ///
     /// *Cost*: for each object three projections of two lines in double precision; for each column one hash and a few
     /// operations for each object; for each pixel within reach of an edge (4.5 sigma of the lens and half of the motion
@@ -107,7 +107,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         let mut background = RowTexture::new(self.scene.background(), middle, &self.lens, f64::from(row));
         let mut layers: Vec<Layer, OBJECTS> = Vec::new();
         for layer in self.scene.objects().iter().filter_map(|object| Layer::new(object, &view)) {
-            // There are no more layers than objects, so there is room.
+            // Never full: there are no more layers than objects.
             layers.push(layer).ok();
         }
         let frame_key = hash(mix(self.seed), u64::from(self.frame));
@@ -139,7 +139,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         self.gravity
     }
 
-    /// The camera some time after the start of this frame.
+    /// The camera `time_s` seconds after the start of this frame.
     pub(super) fn view(&self, time_s: f64) -> View {
         View::after(self.start_ns as f64 * 1e-9 + time_s, self.velocity_m_s, self.rate_rad_s)
     }

@@ -7,23 +7,25 @@ use super::view::{SeenLine, Vector, View};
 use crate::edge::Polarity;
 
 /// One edge of a bar, as a range finder should find it in a frame.
+///
+/// Bearing and depth are those of the point where the edge crosses y = 0 at the frame's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Truth {
-    /// x/z of the point where the edge crosses y = 0 of the frame's start.
+    /// x/z of that point, positive to the right.
     pub bearing: f64,
-    /// Depth z of that point in metres.
+    /// z of that point in metres.
     pub depth_m: f64,
-    /// As seen against the background's level; [`Polarity::Unknown`] where they are equal.
+    /// Polarity of the edge before the plain background; [`Polarity::Unknown`] where bar and background are equally bright.
     pub polarity: Polarity,
-    /// Topmost row that shows the edge: in the image, between the bar's ends and not behind a nearer object.
+    /// Topmost row that shows the edge: inside the image, between the bar's ends and not behind a nearer object.
     pub first_row: u16,
     /// Lowest row that shows the edge.
     pub last_row: u16,
     /// How many rows show the edge; fewer than from first to last where a nearer object hides some.
     pub visible_rows: u16,
-    /// The bar's lean as a slope; zero is upright, and a distance is to be had from upright edges only.
+    /// The bar's lean as a slope. Zero is upright; only upright edges have a distance that can be measured.
     pub lean: f32,
 }
 
@@ -42,11 +44,11 @@ enum Side {
 }
 
 impl<const OBJECTS: usize> Simulator<'_, OBJECTS> {
-    /// The edges of the bars that this frame shows, left before right, the farthest bar first. Those that no row shows
-    /// are left out.
+    /// The edges of bars that at least one row of this frame shows: the farthest bar first, its left edge before its right
+    /// one.
     ///
-    /// *Cost*: for each edge and each row of the image one projection of every nearer object in double
-    /// precision; up to a few milliseconds on a desktop.
+    /// *Cost*: for each edge and each row of the image one projection of every nearer object in double precision; up to a
+    /// few milliseconds on a desktop.
     pub fn truth(&self) -> impl Iterator<Item = Truth> + '_ {
         edges(self)
     }
@@ -102,7 +104,7 @@ fn bar_edge<const OBJECTS: usize>(simulator: &Simulator<'_, OBJECTS>, view: &Vie
     view.line(foot, along)
 }
 
-/// Whether the middle of the exposure of a row shows the edge.
+/// Whether a row shows the edge in the middle of its exposure.
 fn shows<const OBJECTS: usize>(
     simulator: &Simulator<'_, OBJECTS>,
     view: &View,
@@ -126,7 +128,7 @@ fn between<const OBJECTS: usize>(simulator: &Simulator<'_, OBJECTS>, line: &Seen
     ends.is_some_and(|[from, to]| (row - from) * (row - to) <= 0.0)
 }
 
-/// Whether an object lies over a point of the image.
+/// Whether an object covers a point of the image.
 fn hides<const OBJECTS: usize>(
     simulator: &Simulator<'_, OBJECTS>,
     view: &View,

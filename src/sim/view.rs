@@ -1,13 +1,14 @@
-//! Where lines in space appear in the image at one instant. Double precision: it is spent per row, never per pixel.
+//! [`View`]: where lines in space appear in the image at one instant. It is computed per row, never per pixel, so double
+//! precision is affordable.
 
 use crate::setup::Intrinsics;
 
 pub(super) type Vector = [f64; 3];
 
-/// Nearer than this, in metres along the optical axis, nothing is drawn.
+/// Least depth, in metres, at which anything is drawn.
 const NEAR_M: f64 = 0.01;
 
-/// Lines that lean further from the column than this, in pixels per row, are not drawn: they lie along the rows.
+/// Steepest slope of a line that is drawn, in pixels per row: steeper ones lie along the rows.
 const MAX_SLOPE: f64 = 20.0;
 
 /// Intrinsics in double precision.
@@ -73,20 +74,20 @@ impl View {
         }
     }
 
-    /// A direction of the first frame's start in the camera's axes.
-    pub(super) fn direction(&self, vector: Vector) -> Vector {
+    /// Rotates a direction from the axes of the first frame's start into the camera's.
+    pub(super) fn to_camera(&self, vector: Vector) -> Vector {
         [inner(self.right, vector), inner(self.down, vector), inner(self.forward, vector)]
     }
 
-    /// A direction of the camera's axes in those of the first frame's start.
-    pub(super) fn outwards(&self, [x, y, z]: Vector) -> Vector {
+    /// Rotates a direction from the camera's axes into those of the first frame's start.
+    pub(super) fn to_first_frame(&self, [x, y, z]: Vector) -> Vector {
         let (right, down, forward) = (self.right.map(|c| c * x), self.down.map(|c| c * y), self.forward.map(|c| c * z));
         sum(sum(right, down), forward)
     }
 
     pub(super) fn line(&self, foot_m: Vector, along: Vector) -> SeenLine {
         let from_camera = sum(foot_m, self.position_m.map(|component| -component));
-        SeenLine { foot: self.direction(from_camera), along: self.direction(along) }
+        SeenLine { foot: self.to_camera(from_camera), along: self.to_camera(along) }
     }
 }
 
@@ -97,7 +98,7 @@ pub(super) struct SeenLine {
     along: Vector,
 }
 
-/// Where a line meets a pixel row: the column there, and how it changes from row to row at this instant.
+/// Where a line crosses a row of the image: the column, and its change from row to row at this instant.
 #[derive(Clone, Copy)]
 pub(super) struct Crossing {
     pub(super) column: f64,
@@ -105,7 +106,7 @@ pub(super) struct Crossing {
 }
 
 impl SeenLine {
-    /// Meets the plane of a row's rays, y = w z. `None` where the line lies along the row or behind the camera.
+    /// Where the line meets the plane of a row's rays, y = w z. `None` where it lies along the row or behind the camera.
     pub(super) fn cross_row(&self, lens: &Lens, row: f64) -> Option<Crossing> {
         let (_, w) = lens.bearings(lens.cx, row);
         let ([fx, fy, fz], [ax, ay, az]) = (self.foot, self.along);
@@ -127,19 +128,19 @@ impl SeenLine {
         (z > NEAR_M && row.is_finite()).then_some(row)
     }
 
-    /// Rows at which the stretch from one λ to another begins and ends; a far number for an end behind the camera.
-    /// `None` where the whole stretch is behind.
+    /// Rows of the two ends of the segment from one λ to another; for an end behind the camera, a row far outside the image
+    /// on its side. `None` where the whole segment is behind the camera.
     pub(super) fn rows_of_ends(&self, lens: &Lens, from: f64, to: f64) -> Option<[f64; 2]> {
         const FAR: f64 = 1e6;
         let ([_, fy, fz], [_, ay, az]) = (self.foot, self.along);
         let depth = |lambda: f64| fz + lambda * az;
         let row = |lambda: f64| lens.pixel(0.0, fy + lambda * ay, depth(lambda)).1.clamp(-FAR, FAR);
-        // Whether rows grow along the line.
-        let sense = if ay * fz >= fy * az { FAR } else { -FAR };
+        // The end that the line approaches as λ grows.
+        let far_end = if ay * fz >= fy * az { FAR } else { -FAR };
         match (depth(from) > NEAR_M, depth(to) > NEAR_M) {
             (true, true) => Some([row(from), row(to)]),
-            (true, false) => Some([row(from), sense]),
-            (false, true) => Some([-sense, row(to)]),
+            (true, false) => Some([row(from), far_end]),
+            (false, true) => Some([-far_end, row(to)]),
             (false, false) => None,
         }
     }

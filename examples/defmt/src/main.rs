@@ -8,7 +8,7 @@ use semihosting as _; // the panic handler: message on stderr, exit code 101
 
 use shutter_range::{EdgePoint, ParameterError, Ranger, Setup, Sigmas, Twist};
 
-/// A post of 2.5 m, passed at 1.5 m/s, in a QVGA frame; the second edge lies behind the horizon of what can be told.
+/// Two edges in a QVGA frame, passed at 1.5 m/s: one 2.5 m away, and one farther than that motion can tell.
 fn run() -> Result<(), ParameterError> {
     let setup = Setup::pinhole(320, 240, 300.0_f32, 16_666_667)?;
     let readout = *setup.readout();
@@ -19,8 +19,8 @@ fn run() -> Result<(), ParameterError> {
         let time_ns = readout.row_time_ns(row);
         let shift_px = |depth_m: f32| 300.0 * 1.5 * (time_ns as f32 * 1e-9) / depth_m;
         for column_px in [100.0 + shift_px(2.5), 200.0 + shift_px(500.0)] {
-            let edge = EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns);
-            if let Err(refused) = ranger.edge_point(&setup, edge) {
+            let point = EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns);
+            if let Err(refused) = ranger.edge_point(&setup, point) {
                 defmt::warn!("{}", refused);
             }
         }
