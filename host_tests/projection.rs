@@ -53,15 +53,15 @@ impl Scene {
 
     /// Column at which the edge crosses a row that is read at `time_s`.
     pub(crate) fn column_at(&self, row: f64, time_s: f64) -> f64 {
-        let to_camera = transposed(rotation(self.rate_rad_s.map(|rate| rate * time_s)));
+        let in_camera = transposed(rotation(self.rate_rad_s.map(|rate| rate * time_s)));
         let [gx, gy, _] = self.gravity;
         let across = (gx * gx + gy * gy).sqrt();
         let lean = [gy / across, -gx / across, 0.0].map(|component| component * self.tilt);
         let down = std::array::from_fn(|axis| self.gravity[axis] + lean[axis]);
         let foot = [self.bearing * self.depth_m, 0.0, self.depth_m];
         let from_camera = std::array::from_fn(|axis| foot[axis] - self.velocity_m_s[axis] * time_s);
-        let a = times(to_camera, from_camera);
-        let b = times(to_camera, down);
+        let a = times(in_camera, from_camera);
+        let b = times(in_camera, down);
         let w = (row - self.cy) / self.focal_px;
         let along = (w * a[2] - a[1]) / (b[1] - w * b[2]);
         self.cx + self.focal_px * (a[0] + along * b[0]) / (a[2] + along * b[2])

@@ -428,10 +428,10 @@ fn it_can_be_a_static_and_is_as_small_as_promised() {
 fn points_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<EdgePoint> {
     let point = |row: u16| {
         let (position, rotation) = WILD.pose(start_s, start_s + scene.time_s(row));
-        let to_camera = |v: Vector| [0, 1, 2].map(|axis| (0..3).map(|k| rotation[k][axis] * v[k]).sum::<f64>());
+        let in_camera = |v: Vector| [0, 1, 2].map(|axis| (0..3).map(|k| rotation[k][axis] * v[k]).sum::<f64>());
         let foot = [scene.bearing * scene.depth_m, 0.0, scene.depth_m];
-        let a = to_camera([0, 1, 2].map(|axis| foot[axis] - position[axis]));
-        let b = to_camera(scene.gravity);
+        let a = in_camera([0, 1, 2].map(|axis| foot[axis] - position[axis]));
+        let b = in_camera(scene.gravity);
         let w = (f64::from(row) - scene.cy) / scene.focal_px;
         let along = (w * a[2] - a[1]) / (b[1] - w * b[2]);
         let column = scene.cx + scene.focal_px * (a[0] + along * b[0]) / (a[2] + along * b[2]);

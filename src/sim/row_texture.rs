@@ -33,8 +33,8 @@ impl RowTexture {
             level: background.level,
             contrast,
             key: mix(u64::from(seed)),
-            start: in_cells(view.to_first_frame([u, w, 1.0])),
-            step: in_cells(view.to_first_frame([next - u, 0.0, 0.0])),
+            start: in_cells(view.in_first_frame([u, w, 1.0])),
+            step: in_cells(view.in_first_frame([next - u, 0.0, 0.0])),
             cell: None,
             corners: [[0.0; 2]; 2],
         }

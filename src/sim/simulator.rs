@@ -90,7 +90,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
     /// *Errors*: a component of an extreme velocity that rotation has driven beyond the limit of [`Twist`].
     pub fn motion(&self) -> Result<Twist<f32>, ParameterError> {
         let view = self.view(0.0);
-        let turned = |vector| view.to_camera(vector).map(|component| component as f32);
+        let turned = |vector| view.in_camera(vector).map(|component| component as f32);
         Twist::new(turned(self.velocity_m_s), self.rate_rad_s.map(|rate| rate as f32), turned(self.gravity))
     }
 

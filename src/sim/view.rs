@@ -75,19 +75,19 @@ impl View {
     }
 
     /// Rotates a direction from the axes of the first frame's start into the camera's.
-    pub(super) fn to_camera(&self, vector: Vector) -> Vector {
+    pub(super) fn in_camera(&self, vector: Vector) -> Vector {
         [inner(self.right, vector), inner(self.down, vector), inner(self.forward, vector)]
     }
 
     /// Rotates a direction from the camera's axes into those of the first frame's start.
-    pub(super) fn to_first_frame(&self, [x, y, z]: Vector) -> Vector {
+    pub(super) fn in_first_frame(&self, [x, y, z]: Vector) -> Vector {
         let (right, down, forward) = (self.right.map(|c| c * x), self.down.map(|c| c * y), self.forward.map(|c| c * z));
         sum(sum(right, down), forward)
     }
 
     pub(super) fn line(&self, foot_m: Vector, along: Vector) -> SeenLine {
         let from_camera = sum(foot_m, self.position_m.map(|component| -component));
-        SeenLine { foot: self.to_camera(from_camera), along: self.to_camera(along) }
+        SeenLine { foot: self.in_camera(from_camera), along: self.in_camera(along) }
     }
 }
 
