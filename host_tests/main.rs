@@ -12,6 +12,7 @@ mod frames;
 mod harness;
 mod journey;
 mod knots;
+mod measure;
 mod monte_carlo;
 mod projection;
 mod readout;

@@ -107,6 +107,7 @@ mod error;
 // What is known beforehand.
 mod setup;
 mod motion;
+pub mod measure;
 
 // The way of the data: a row of pixels, edge points, lines, ranges.
 mod edge;
