@@ -108,6 +108,8 @@ mod error;
 mod setup;
 mod motion;
 pub mod measure;
+#[cfg(feature = "embedded-hal")]
+pub mod sensor;
 
 // The way of the data: a row of pixels, edge points, lines, ranges.
 mod edge;
