@@ -12,7 +12,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::arguments::{Cli, Command, FrameArgs};
-use crate::command::{edges, frames, simulate, table2};
+use crate::command::{edges, frames, sensors, simulate, table2};
 use crate::output::{overlay, range_table, terminal, truth};
 
 fn main() -> ExitCode {
@@ -39,6 +39,10 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Simulate(arguments) => {
             let truth = simulate::frames(arguments)?;
             if cli.json { terminal::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
+        }
+        Command::Sensors => {
+            let document = sensors::modes()?;
+            if cli.json { terminal::json(&document)? } else { sensors::text(&document, colours) }
         }
     };
     terminal::print(&text)?;

@@ -4,3 +4,4 @@ pub(crate) mod table2;
 pub(crate) mod edges;
 pub(crate) mod frames;
 pub(crate) mod simulate;
+pub(crate) mod sensors;

@@ -7,6 +7,7 @@ mod overlays;
 mod painting;
 mod reference_lines;
 mod refusals;
+mod sensors;
 mod sequences;
 mod simulations;
 mod table2;
