@@ -23,6 +23,7 @@ mod sensor_bus;
 mod sensor_chips;
 mod sensor_faults;
 mod sensor_modes;
+mod sensor_setup;
 mod sensor_transactions;
 mod sequence;
 mod simulator;

@@ -4,7 +4,7 @@ use embedded_hal_mock::eh1::i2c::{Mock, Transaction};
 use shutter_range::sensor::{Chip, Sensor};
 
 use crate::sensor_bus::{FakeSensor, Wiring};
-use crate::sensor_chips::CASES;
+use crate::sensor_chips::{CASES, Case};
 
 /// What happens to a register.
 #[derive(Clone, Copy)]
@@ -90,7 +90,7 @@ fn bytes(value: u16, wide: bool) -> Vec<u8> {
 }
 
 /// The accesses as they go over the wire, with what the chip holds.
-fn transactions(fake: &FakeSensor, accesses: &[&[Access]]) -> Vec<Transaction> {
+fn transactions_of(fake: &FakeSensor, accesses: &[&[Access]]) -> Vec<Transaction> {
     let Wiring { wide_address, wide_data, repeated_start, page_address } = fake.wiring;
     let (mut page, mut transactions) = (fake.page(), Vec::new());
     for access in accesses.iter().copied().flatten() {
@@ -116,6 +116,14 @@ fn transactions(fake: &FakeSensor, accesses: &[&[Access]]) -> Vec<Transaction> {
     transactions
 }
 
+/// What a case's chip is asked when its mode is read for the first time.
+pub(crate) fn of_identity_and_mode(case: &Case) -> Vec<Transaction> {
+    let fake = (case.sensor)();
+    let mut transactions = transactions_of(&fake, identity(case.chip));
+    transactions.extend(transactions_of(&fake, mode(case.chip)));
+    transactions
+}
+
 /// Cases whose registers are read in another order: more of them, or from another page.
 const OTHERWISE: [&str; 2] = ["OV7670, QVGA", "GC0308, two"];
 
@@ -123,14 +131,11 @@ const OTHERWISE: [&str; 2] = ["OV7670, QVGA", "GC0308, two"];
 fn each_chip_is_asked_transaction_by_transaction() {
     let mut asked = Vec::new();
     for case in CASES.iter().filter(|case| !OTHERWISE.iter().any(|name| case.name.starts_with(name))) {
-        let fake = (case.sensor)();
         // The address of HM0360 that is tried first is another one there.
-        if fake.at != case.chip.addresses()[0] {
+        if (case.sensor)().at != case.chip.addresses()[0] {
             continue;
         }
-        let mut expected = transactions(&fake, identity(case.chip));
-        expected.extend(transactions(&fake, mode(case.chip)));
-        let mut mock = Mock::new(&expected);
+        let mut mock = Mock::new(&of_identity_and_mode(case));
         let mut sensor = Sensor::new(&mut mock, case.chip, case.clock_hz).expect(case.name);
         assert_eq!(sensor.mode().expect(case.name), case.mode(), "{}", case.name);
         sensor.release().done();
@@ -145,7 +150,7 @@ fn scaling_by_hand_and_another_page_add_what_they_need() {
         |name: &str| CASES.iter().find(|case| case.name.starts_with(name)).unwrap_or_else(|| panic!("no {name}"));
     let run = |name: &str, accesses: &[&[Access]]| {
         let case = case(name);
-        let mut mock = Mock::new(&transactions(&(case.sensor)(), accesses));
+        let mut mock = Mock::new(&transactions_of(&(case.sensor)(), accesses));
         let mut sensor = Sensor::new(&mut mock, case.chip, case.clock_hz).expect(name);
         assert_eq!(sensor.mode().expect(name), case.mode(), "{name}");
         sensor.release().done();
@@ -179,9 +184,7 @@ fn scaling_by_hand_and_another_page_add_what_they_need() {
 #[test]
 fn an_exposure_is_set_transaction_by_transaction() {
     let case = CASES.iter().find(|case| case.name.starts_with("OV7670, VGA")).expect("there");
-    let fake = (case.sensor)();
-    let mut expected = transactions(&fake, identity(case.chip));
-    expected.extend(transactions(&fake, mode(case.chip)));
+    let mut expected = of_identity_and_mode(case);
     let read = |address: u8, value: u8| [Transaction::write(0x21, vec![address]), Transaction::read(0x21, vec![value])];
     let write = |address: u8, value: u8| Transaction::write(0x21, vec![address, value]);
     expected.extend(read(0x13, 0xe7));

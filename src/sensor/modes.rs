@@ -38,7 +38,7 @@ static MODES: &[TypicalMode] = &[
     mode!(Ov7670, "VGA YUV", 24, Computed, "data sheet: 30 frames/s at 24 MHz", ov7670 {
         CLOCK = 0x80, FIRST_COLUMN = 158, END_COLUMN = 14, FIRST_ROW = 10, END_ROW = 490,
     }),
-    mode!(Ov7670, "VGA YUV, 10 MHz", 10, Documented, "as above, with a slower clock", ov7670 {
+    mode!(Ov7670, "VGA YUV, 10 MHz", 10, Documented, "the data sheet's 30 frames/s at 24 MHz, slowed down", ov7670 {
         CLOCK = 0x80, FIRST_COLUMN = 158, END_COLUMN = 14, FIRST_ROW = 10, END_ROW = 490,
     }),
     mode!(Ov7670, "QVGA YUV, 12 MHz x 4", 12, Computed, "esp32-camera: 30 frames/s", ov7670 {
