@@ -1,6 +1,6 @@
 //! `Line`: what is summed, refused and kept.
 
-use shutter_range::{EdgePoint, Line, OutOfOrder};
+use shutter_range::{BoardRanger, DesktopRanger, EdgePoint, Line, OutOfOrder, SmallRanger};
 
 use crate::projection::Scene;
 use crate::scenes::{line_of, q16};
@@ -109,6 +109,10 @@ fn sizes_in_memory() {
     assert!(size_of::<Small>() <= 16 * (128 + 40 * 12) + 24 * 32 + 96, "{}", size_of::<Small>());
     type Single = shutter_range::Ranger<1, 12, 32>;
     assert!(size_of::<Single>() <= 128 + 40 * 12 + 24 * 32 + 96, "{}", size_of::<Single>());
+    // And those of the usual capacities, in bytes.
+    let usual = [size_of::<SmallRanger>(), size_of::<BoardRanger>(), size_of::<DesktopRanger>()];
+    println!("{usual:?}");
+    assert!(usual.into_iter().zip([4_200, 10_600, 800_000]).all(|(size, promised)| size <= promised), "{usual:?}");
     // And that of `Sequence`.
     type Edges = shutter_range::Sequence<f32, 16>;
     assert!(size_of::<Edges>() <= 16 * 208 + 16, "{}", size_of::<Edges>());

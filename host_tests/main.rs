@@ -1,5 +1,7 @@
 //! All host tests, one harness: the library's own code against the paper, the reference edges and synthetic scenes.
 
+mod accounting;
+mod agreement;
 mod architecture;
 mod back_ends;
 mod bad_input;

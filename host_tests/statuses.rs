@@ -115,3 +115,23 @@ fn the_first_row_is_the_topmost_and_its_column_is_fitted() {
     assert_eq!((range.first_row, range.last_row), (0, 479));
     assert!((range.column_at_first_row - scene.column(0)).abs() < 1e-3);
 }
+
+#[test]
+fn a_range_reads_like_a_sentence() {
+    let scene = Scene::vga();
+    assert_eq!(range(&scene).to_string(), "2.0 m ± 0.1");
+    let exact = range_of::<f32>(&scene, Uncertainty::NONE, &scene.edges());
+    assert_eq!(exact.to_string(), "2.000 m ± 0.002");
+    let far = range(&Scene { depth_m: 400.0, ..scene.clone() });
+    let bound_m = far.depth(Sigmas(2.0)).nearest_m.expect("a bound");
+    // A lower bound is rounded downwards.
+    assert_eq!(far.to_string(), format!("farther than {} m", bound_m.floor()));
+    assert!(bound_m > 10.0 && bound_m.fract() > 0.0, "{bound_m}");
+    let still = range(&Scene { velocity_m_s: [0.0; 3], ..scene.clone() });
+    assert_eq!(still.to_string(), "the motion says too little");
+    let short = range_of::<f32>(&scene, tilt_of(TENTH_DEGREE), &scene.edges()[..5]);
+    assert_eq!(short.to_string(), "too short");
+    let against = Scene { velocity_m_s: [1.5, 0.0, 0.0], ..scene.clone() };
+    let against = range_of::<f32>(&against, tilt_of(TENTH_DEGREE), &scene.edges());
+    assert_eq!(against.to_string(), "slopes against the motion");
+}

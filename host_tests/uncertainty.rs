@@ -28,7 +28,7 @@ fn assert_explains(name: &str, uncertainty: Uncertainty<f64>, disturbed: &[Scene
     });
     let change = changes.map(|change| change * change).sum::<f64>().sqrt();
     assert!((sigma / change - 1.0).abs() < 0.03, "{name}: sigma {sigma}, change {change}");
-    assert!((common.budget.common_per_m() / sigma - 1.0).abs() < 0.01, "{name}: all of it is common");
+    assert!((common.budget.correlated_per_m() / sigma - 1.0).abs() < 0.01, "{name}: all of it is common");
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn readout_of_an_accelerated_camera() {
     assert!((plain.inverse_depth_per_m - 0.5).abs() < 1e-9);
     let wrong = estimate(&Braking { time_scale: 1.0 + SMALL }, Uncertainty::NONE);
     let change = (wrong.inverse_depth_per_m - plain.inverse_depth_per_m).abs();
-    let sigma = estimate(&truth, Uncertainty::NONE.with_sigma_readout(SMALL)).budget.common_per_m();
+    let sigma = estimate(&truth, Uncertainty::NONE.with_sigma_readout(SMALL)).budget.correlated_per_m();
     assert!((sigma / change - 1.0).abs() < 0.03, "sigma {sigma}, change {change}");
 }
 
@@ -218,7 +218,7 @@ fn the_budget_is_as_its_table_says() {
                 part(Noise)
             );
             assert_eq!(estimate.budget.dominant() == source, found > noise);
-            let whole = estimate.budget.own_per_m().hypot(estimate.budget.common_per_m());
+            let whole = estimate.budget.independent_per_m().hypot(estimate.budget.correlated_per_m());
             assert!((whole / estimate.sigma_inverse_depth_per_m - 1.0).abs() < 1e-6);
         }
     }

@@ -87,49 +87,49 @@ impl Display for RowError {
 
 impl Error for RowError {}
 
-/// Why an edge was not taken. The edge is left out and nothing else changes.
+/// Why an edge point was not taken. The point is left out and nothing else changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum EdgeError {
-    /// The edge's column or row is not in the image.
+    /// The column or row is not in the image.
     OutsideImage {
-        /// Row of the edge.
+        /// Row of the point.
         row: u16,
-        /// Column of the edge in 1/65536 px.
+        /// Column of the point in 1/65536 px.
         column_q16: i32,
     },
-    /// The row was read before one that has come already, or its edges are complete.
+    /// The row was read before one that has come already, or its points are complete.
     RowOrder {
-        /// Row of the edge.
+        /// Row of the point.
         row: u16,
         /// The row that came last.
         previous: u16,
     },
     /// The time stamp is earlier than that of a row read before.
     TimeOrder {
-        /// Time of the edge in nanoseconds since frame start.
+        /// Time of the point in nanoseconds since frame start.
         time_ns: i64,
         /// The time that came last.
         previous_ns: i64,
     },
     /// The same row and column came twice.
     Duplicate {
-        /// Row of the edge.
+        /// Row of the point.
         row: u16,
-        /// Column of the edge in 1/65536 px.
+        /// Column of the point in 1/65536 px.
         column_q16: i32,
     },
-    /// The noise of the edge is stated as zero, which no sensor reaches, or as more than 256 px.
+    /// The noise of the point is stated as zero, which no sensor reaches, or as more than 256 px.
     Sigma {
-        /// Row of the edge.
+        /// Row of the point.
         row: u16,
         /// The stated noise in 1/65536 px.
         sigma_q16: u32,
     },
     /// The time stamp is more than an hour away from frame start.
     TimeRange {
-        /// Time of the edge in nanoseconds since frame start.
+        /// Time of the point in nanoseconds since frame start.
         time_ns: i64,
     },
     /// The frame is one of rows of pixels, in which the edge points are found.
@@ -259,7 +259,7 @@ pub enum TrajectoryGap {
         at_ns: i64,
         /// How long the gap is: between its two samples, or from the nearest one to `at_ns`.
         gap_ns: u64,
-        /// The longest that is trusted: [`SensorClock::max_gap_ns`].
+        /// The longest that is trusted: [`SensorClock::max_gap_ns`](crate::SensorClock::max_gap_ns).
         max_gap_ns: u64,
     },
 }
@@ -291,6 +291,8 @@ pub enum FitError {
     InvalidSample(usize),
     /// The edges run along the rows at this sample: the camera lies on its side, or the edges' vanishing point is in view.
     Sideways(usize),
+    /// The solution lies beyond the range of the numbers: these samples are not those of an edge.
+    Diverged,
 }
 
 impl Display for FitError {
@@ -304,6 +306,7 @@ impl Display for FitError {
                     "sample {index}: column, row and time must be finite, sigma above zero, the pixel in the image"
                 )
             }
+            Self::Diverged => write!(formatter, "the solution lies beyond the range of the numbers"),
             Self::Sideways(index) => write!(formatter, "sample {index}: upright edges run along the rows there"),
         }
     }

@@ -1,4 +1,4 @@
-//! [`Ranger`]: edges in, ranges out, frame by frame.
+//! [`Ranger`]: rows of pixels or edge points in, ranges out, frame by frame.
 
 use heapless::Vec;
 
@@ -10,12 +10,19 @@ use crate::range::Range;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
-/// The whole way from edges to ranges: at most `LINES` lines of `KNOTS` knots under way and `POINTS` edges on one row.
+/// The whole way from rows to ranges: at most `LINES` lines of `KNOTS` knots, and `POINTS` edge points on one row.
 ///
-/// Glue only: it checks the edges, collects those of a row in the order of their columns, hands them to the
-/// [`Tracker`] and ranges the lines that end. It holds tables and no parameters, so that it can be a `static`.
+/// A pipeline without mathematics of its own: it checks what comes in, finds the edge points of rows of pixels, tracks them
+/// to lines and ranges the lines that end. It holds tables and no parameters.
 ///
-/// On a small board make it a `static`, or write `const { Ranger::new() }`: it is then never built and copied on the stack.
+/// An empty ranger is all zero bits. Make it a `static`: it then lies in memory that is zeroed at reset and takes no flash.
+/// A safe `&'static mut` to it comes from `cortex-m-rt`, whose `#[entry]` function may have a `static mut` of its own
+/// (`examples/no_panic.rs`), or from `ConstStaticCell` of the crate `static_cell`:
+///
+/// ```ignore
+/// static RANGER: ConstStaticCell<BoardRanger> = ConstStaticCell::new(BoardRanger::new());
+/// let ranger = RANGER.take();
+/// ```
 ///
 /// *Memory*: at most `LINES` × (128 + 40 `KNOTS`) + 24 `POINTS` + 96 bytes.
 ///
@@ -45,6 +52,15 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     scanner: Scanner,
     frame: Frame,
 }
+
+/// For a small board: 8 lines, 16 edge points a row. 4.2 kB.
+pub type SmallRanger = Ranger<8, 8, 16>;
+
+/// For a vision board: 16 lines, 32 edge points a row. 10.6 kB.
+pub type BoardRanger = Ranger<16, 12, 32>;
+
+/// For a desktop: 256 lines, 4096 edge points a row. 0.8 MB: make it in a `static`, or box it.
+pub type DesktopRanger = Ranger<256, 64, 4096>;
 
 /// What the frame under way is made of. The tag is written out, and zero at first, as all else in an empty ranger.
 #[derive(Clone, Copy, Debug)]
@@ -290,8 +306,8 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: &
     Ok(())
 }
 
-/// Locates the edges that no line explains as well as their row alone allows. Two that are so near to each other that the scanner
-/// sees one through the other keep their places, but how wide they are is not known.
+/// Refines the scanned points that no line explains, as well as a single row allows. Two points that share a window of the
+/// scanner keep their columns, but their widths are not measured.
 fn refine_alone(points: &mut [EdgePoint], pixels: &[u8], noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();

@@ -52,7 +52,7 @@ pub fn bearing<S: Scalar>(column: S, principal_column: S, focal_px: S) -> S {
     (column - principal_column) / focal_px
 }
 
-/// The camera, a heading and a bearing: what is left of the geometry in all three scenarios.
+/// The camera constant, a heading and a bearing: the geometry of all three scenarios.
 ///
 /// ```
 /// use shutter_range::rse::{PAPER_KAPPA, Shear};
@@ -160,7 +160,7 @@ pub struct Endpoint<S> {
 ///
 /// *Errors*: a number that is not finite, a sigma that is not positive, or both ends at the same time.
 ///
-/// *Source*: eqs. (2), (8), (12) without their approximation; `model.md` in words: (x1, t1) and (x2, t2) give
+/// *Source*: eqs. (2), (8), (12) without their approximation, docs/model.md, section 2: (x1, t1) and (x2, t2) give
 /// Z(t2) = (u1 v_z − v_x)(t2 − t1)/(u2 − u1), and Z(0) = Z(t2) + v_z t2.
 pub fn range_of_endpoints<S: Scalar>(
     first: Endpoint<S>,

@@ -1,4 +1,4 @@
-//! [`Tracker`]: from a stream of edges in row order to lines.
+//! [`Tracker`]: from edge points, row by row, to lines.
 
 use heapless::Vec;
 
@@ -9,20 +9,20 @@ use super::track::{RowTime, State, Track};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, Polarity};
 use crate::setup::Limits;
 
-/// Lines of a frame under way: at most `LINES` of `KNOTS` knots each.
+/// The lines of a frame under way: at most `LINES` of `KNOTS` knots each.
 ///
-/// Every row's edges are matched to the lines' predicted columns: an edge and a line of the same polarity that are each
-/// other's nearest, within the gate, belong together. An edge that matches nothing begins a tentative line. Lines that
-/// have missed too many rows end; a full table refuses the newcomer, counts it, and never loses a confirmed line.
+/// The points of each row are associated with the lines' predicted columns: a point and a line of the same polarity that
+/// are each other's nearest, within the gate, belong together. A point without a line starts a tentative one. Lines that
+/// have missed too many rows end. A full table refuses new lines, counts them, and never loses a confirmed line.
 ///
-/// *Cost*: per row an insertion sort of the lines, which hardly change places, and for each polarity a sweep over edges and
-/// lines together.
+/// *Cost*: per row an insertion sort of the lines, whose order hardly changes, and for each polarity one pass over points
+/// and lines together.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize> {
     tracks: [Slot<KNOTS>; LINES],
     counters: Counters,
-    /// Places of the lines under way and of those that wait to be taken.
+    /// Places of the lines under way, and of those that have ended and wait to be taken.
     under_way: Vec<u16, LINES>,
     ended: Vec<u16, LINES>,
     /// No place before this one is free.
@@ -66,32 +66,32 @@ impl<const KNOTS: usize> Slot<KNOTS> {
     }
 }
 
-/// Where a line has been found: edges of its polarity near there are its own.
+/// Where the refinement has found a line: scanned points of its polarity near there are its own.
 struct Explained {
     column_q16: i64,
     reach_q16: i64,
     polarity: Polarity,
-    /// The row has shown this very point on its own, too.
+    /// The scanner has found this very point, too.
     is_seen: bool,
 }
 
-/// A row with more edges that belong to no confirmed line is crowded.
+/// A row is cluttered if more points than this belong to no confirmed line.
 const MOST_UNMATCHED_POINTS: usize = 1;
-/// Most that [`Explained::reach_q16`] can be.
+/// Upper bound of [`Explained::reach_q16`].
 const MAX_REACH_Q16: i64 = 34 << 16;
 
-/// A line under way, as a row sees it.
+/// A line under way, as predicted for a row.
 struct Candidate {
     prediction: Prediction,
     slot: usize,
     state: State,
     polarity: Polarity,
-    /// Within this distance two edges cannot be told apart: by their noise, or their blur.
+    /// Two edges nearer than this cannot be told apart, because of their noise or their blur.
     blur_q16: i64,
 }
 
 impl Candidate {
-    /// Whether the other one is another edge: within its own blur, one of the same polarity is a piece of it.
+    /// Whether the other one is another edge. A line of the same polarity within the blur is a fragment of the same edge.
     fn is_ended_by(&self, other: &Self) -> bool {
         let apart_q16 = (other.prediction.column_q16 - self.prediction.column_q16).abs();
         other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16
@@ -107,8 +107,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         Self { tracks, counters: Counters::ZERO, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
     }
 
-    /// Takes all edges of one row, sorted by column. Rows come in the order of readout; rows that were not looked at may
-    /// be left out, rows without edges should be given, since lines end by missing rows.
+    /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at may
+    /// be left out; rows without points should be given, since lines end by missing rows.
     pub(crate) fn row(&mut self, limits: &Limits, row: u16, points: &[EdgePoint]) {
         self.occupied = 0;
         if !points.is_empty() {
@@ -127,8 +127,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.stitch_all(limits, row);
     }
 
-    /// Notes for the lines under way where a row has so many edges, or so restless a background beside them, that some are bound
-    /// to lie in line by chance.
+    /// Counts the row as cluttered for the lines under way where it has so many points, or so much texture beside them,
+    /// that some points line up by chance.
     pub(crate) fn count_clutter(&mut self, points: &[EdgePoint], is_textured: bool) {
         let is_cluttered = is_textured || points.len() > MOST_UNMATCHED_POINTS;
         for place in &self.under_way {
@@ -141,8 +141,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Looks for the confirmed lines where they are expected in a row of pixels, and takes the edges that this explains out
-    /// of those that the row shows on its own. To be called before [`Tracker::row`] takes the rest.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and removes the scanned points that this
+    /// explains. To be called before [`Tracker::row`] takes the others.
     pub(crate) fn refine<const POINTS: usize>(
         &mut self,
         limits: &Limits,
@@ -151,7 +151,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         points: &mut Vec<EdgePoint, POINTS>,
     ) {
         let mut explained: Vec<Explained, LINES> = Vec::new();
-        // Tentative lines are noise as often as not: they must not narrow a confirmed line's view.
+        // Tentative lines are noise as often as not: they must not narrow the window of a confirmed one.
         let mut candidates: Vec<Candidate, LINES> = Vec::new();
         self.predict(limits, at.row, &mut candidates);
         candidates.retain(|candidate| candidate.state == State::Confirmed);
@@ -168,7 +168,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let reach_q16 = (5 << 16) / 2 + i64::from(point.width_q8) * 640;
                 if track.take(point, limits) {
                     let (column_q16, polarity) = (i64::from(point.column_q16), point.polarity);
-                    // One per line at most.
+                    // There is room: one per line at most.
                     let at = explained.partition_point(|other| other.column_q16 <= column_q16);
                     let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity, is_seen: false });
                 }
@@ -183,7 +183,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let explains =
                 |e: &&mut Explained| e.polarity == point.polarity && (e.column_q16 - column).abs() <= e.reach_q16;
             let within = explained.iter_mut().skip(nearby).take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column);
-            // The first is the line's own point once more; others are lost beside it.
+            // The first is the line's own point once more; any other is stray.
             match within.filter(explains).reduce(|a, b| if a.is_seen { b } else { a }) {
                 Some(explanation) => {
                     duplicates += u32::from(explanation.is_seen);
@@ -197,7 +197,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.count_stray(duplicates);
     }
 
-    /// Learns what newly confirmed lines look like from the row that they were last seen in.
+    /// Gives newly confirmed lines a model of their edge, from the row in which they were last seen.
     pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
         for place in &self.under_way {
             let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Slot::track);
@@ -215,14 +215,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Forgets all lines under way: the frame is torn. Their points are stray.
+    /// Forgets all lines under way because the frame is torn. Their points are stray.
     pub(crate) fn abandon(&mut self) {
         while let Some(place) = self.under_way.pop() {
             self.forget(place);
         }
     }
 
-    /// Ends all confirmed lines and forgets the tentative ones.
+    /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
         while let Some(place) = self.under_way.pop() {
             self.finish(place);
@@ -265,21 +265,22 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
-    /// Whether each hidden line could go on as a young one. Otherwise they take their edges themselves: in a small table the
-    /// hidden ones would leave no place for what they wait for.
+    /// Whether the table has room for a continuation of each hidden line, which starts as a line of its own and is then
+    /// stitched. Without room, hidden lines take part in the association themselves.
     fn has_room_to_stitch(&self) -> bool {
         let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track());
         let hidden = tracks.filter(|track| track.is_hidden()).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
     }
 
-    /// Predictions of all lines under way that the row has not shown yet, from left to right; hidden ones wait.
+    /// Predictions of the lines under way that have no point on this row yet, from left to right. Hidden lines are left out:
+    /// they wait to be stitched.
     fn predict(&mut self, limits: &Limits, row: u16, predictions: &mut Vec<Candidate, LINES>) {
         let room = self.has_room_to_stitch();
         for place in &self.under_way {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Slot::track);
-            // One per slot at most.
+            // There is room: one per slot at most.
             if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
                 let (state, polarity) = (track.state, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
@@ -287,7 +288,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let _ = predictions.insert(at, Candidate { prediction, slot, state, polarity, blur_q16 });
             }
         }
-        // Lines hardly change places: the next row finds them almost in order.
+        // Lines hardly ever change their order: on the next row they are almost sorted.
         let order = predictions.iter().map(|candidate| candidate.slot as u16);
         if predictions.len() == self.under_way.len() {
             self.under_way.iter_mut().zip(order).for_each(|(place, slot)| *place = slot);
@@ -308,8 +309,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Confirmed lines choose first, tentative ones among the edges that are left: clutter beside a confirmed line must
-    /// not take its edges. What matches nothing begins a line.
+    /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
+    /// confirmed line does not take its points. A point without a line starts one.
     fn match_points<'e>(
         &mut self,
         limits: &Limits,
@@ -349,7 +350,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// A young line may be a piece of one that is hidden: that goes on with it.
+    /// Stitches confirmed lines that have just started to hidden ones that they continue.
     fn stitch_all(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
@@ -379,14 +380,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         Some(())
     }
 
-    /// Begins a tentative line, if there is room.
+    /// Starts a tentative line, if there is room.
     fn begin(&mut self, point: EdgePoint) {
         let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, slot)| slot.is_free());
         match free {
             Some((slot, free)) => {
                 *free = Slot::Taken(Track::new(point));
                 self.occupied = slot + 1;
-                // A place for each slot.
+                // There is room: one place for each slot.
                 let _ = self.under_way.push(slot as u16);
             }
             None => {
@@ -414,7 +415,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     fn finish(&mut self, place: u16) {
         let track = self.tracks.get(usize::from(place)).and_then(Slot::track);
         if track.is_some_and(|track| track.state == State::Confirmed) {
-            // A place for each slot.
+            // There is room: one place for each slot.
             let _ = self.ended.push(place);
         } else {
             self.forget(place);

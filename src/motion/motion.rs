@@ -44,7 +44,7 @@ impl<S: Scalar> Pose<S> {
 
 /// A camera's motion during one frame.
 ///
-/// [`Twist`] is the usual one, [`Trajectory`](crate::Trajectory) makes one of what sensors deliver; implement the trait
+/// [`Twist`](crate::Twist) is the usual one, [`Trajectory`](crate::Trajectory) makes one of what sensors deliver; implement the trait
 /// for anything else. At time zero the position must be zero and the rotation none.
 pub trait Motion<S> {
     /// Pose `time_s` seconds after frame start. Called once per knot of a line.

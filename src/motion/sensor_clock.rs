@@ -9,7 +9,7 @@ pub struct SensorClock {
     /// filter is subtracted here.
     pub offset_ns: i64,
     /// Longest time in nanoseconds between two samples, from the last sample on and up to the first, over which values
-    /// are trusted. Three periods of the sensor, say: then two samples may be lost. Beyond it there is a [`TrajectoryGap`].
+    /// are trusted. Three periods of the sensor, say: then two samples may be lost. Beyond it there is a [`TrajectoryGap`](crate::TrajectoryGap).
     pub max_gap_ns: u64,
 }
 

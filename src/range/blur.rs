@@ -1,4 +1,4 @@
-//! [`BlurMeasurement`]: what the blur of an edge says of its motion, whatever its lean.
+//! [`BlurMeasurement`]: the motion of an edge from its blur, whatever its lean. docs/model.md, section 5.
 
 use super::equation::{Equation, PriorEquation};
 use super::line3::Line3;
@@ -12,16 +12,16 @@ use crate::setup::{Camera, MotionBlur, Setup};
 
 /// The blur that motion has added to an edge, as a measurement of its path during the exposure.
 ///
-/// Of the edge's variance, lens² + 1/12 + B²/12, the path B belongs to the motion, whatever the lean.
+/// The variance of a blurred edge is lens² + 1/12 + B²/12. The path B comes from motion, whatever the lean.
 ///
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
 pub(crate) struct BlurMeasurement<S> {
-    /// Where the middle of the line is seen at the beginning and at the end of the exposure.
+    /// The ray of the line's middle at the beginning and at the end of the exposure.
     ends: [Observation<S>; 2],
-    /// Variance of the edge.
+    /// Variance of the blurred edge.
     measured_px2: S,
-    /// One sigma of it from noise and from the shape of the profile.
+    /// One sigma of it from noise and from the assumed shape of the blur.
     sigma_px2: S,
     lens_px: S,
     sigma_lens_px: S,
@@ -42,7 +42,7 @@ impl<S: Scalar> BlurMeasurement<S> {
         Self::new(setup.camera(), motion, blur, &middle, (width_px, sigma_px))
     }
 
-    /// From the mean width of a line and its sigma; `middle` is somewhere in its middle.
+    /// From the mean width of a line and its sigma; `middle` is a sample near its middle.
     fn new<M: Motion<S>>(
         camera: &Camera<S>,
         motion: &M,
@@ -66,15 +66,15 @@ impl<S: Scalar> BlurMeasurement<S> {
         })
     }
 
-    /// Variance that a still edge would have.
+    /// Variance that an edge at rest would have.
     fn lens_and_pixel_px2(&self) -> S {
         self.lens_px * self.lens_px + S::ratio(1, 12)
     }
 
     /// Path along the row during the exposure, in pixels with its sign.
     pub(crate) fn path_px(&self, line3: &Line3<S>) -> Option<S> {
-        let [begin, end] = &self.ends;
-        Some(line3.residual_px(begin)? - line3.residual_px(end)?)
+        let [start, end] = &self.ends;
+        Some(line3.residual_px(start)? - line3.residual_px(end)?)
     }
 
     /// One sigma of the variance, the lens's own blur included.
@@ -114,11 +114,11 @@ impl<S: Scalar> BlurMeasurement<S> {
 
     pub(crate) fn equation(&self, line3: &Line3<S>) -> Option<PriorEquation<S>> {
         let path = self.path_px(line3)?;
-        // The path grows with the inverse depth but for what rotation contributes, which does not depend on it.
-        let [begin, end] = &self.ends;
+        // Translation moves the ends in proportion to the inverse depth; rotation does so at any depth.
+        let [start, end] = &self.ends;
         let q = path
             * S::ratio(1, 6)
-            * (line3.residual_per_inverse_depth(begin)? - line3.residual_per_inverse_depth(end)?);
+            * (line3.residual_per_inverse_depth(start)? - line3.residual_per_inverse_depth(end)?);
         Some(PriorEquation {
             equation: Equation {
                 one: S::ZERO,
@@ -132,10 +132,10 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 }
 
-/// What the shape of the profile may cost of its variance, as one sigma in percent.
+/// Error of the variance from the assumed shape of the blur, one sigma in percent.
 const SHAPE_PERCENT: i32 = 2;
 
-/// What one edge tells of the lens: the variance of its blur that neither motion nor the pixel explains.
+/// The lens's own blur as one edge shows it: the variance that neither motion nor the pixel explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -147,16 +147,15 @@ pub struct LensBlurMeasurement<S> {
 }
 
 impl<const KNOTS: usize> Line<KNOTS> {
-    /// Mean of the measured widths of the edges (one sigma of blur) in pixels; `None` unless most were measured. The first knot,
-    /// in which the width settles, counts only where there is no other.
+    /// Mean of the measured widths (one sigma of blur) in pixels; `None` unless most points have one. The first knot, in
+    /// which the width settles, counts only where there is no other.
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
         let sum = self.settled();
         (sum.widths > sum.points / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
     }
 
-    /// One standard deviation of the mean width: each width has one to two times the noise of its column, the more the less
-    /// its shape is known.
+    /// One standard deviation of the mean width: a width has one to two times the noise of its column.
     pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
         let sum = self.settled();
         // The mean variance, over the number of widths.

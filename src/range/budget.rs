@@ -2,12 +2,13 @@
 
 use crate::scalar::{Scalar, hypot};
 
-/// One standard deviation of inverse depth from each source, in 1/m. Their squares add up to that of the whole.
+/// One standard deviation of inverse depth from each source, in 1/m. The squares add up to the square of the whole.
 ///
-/// What speed and rotation have done in earlier frames of a sequence, and have drifted since, counts as noise.
+/// In a sequence, the part of an error of speed or rotation that has drifted since counts as noise.
 ///
-/// Noise and lean are each edge's own and average out over edges; the rest is common to all edges of a frame and does not:
-/// weigh edges by [`own_per_m`](Self::own_per_m), then add [`common_per_m`](Self::common_per_m) to what is left.
+/// Noise and lean are independent from edge to edge and average out over edges; the rest is correlated over all edges of a
+/// frame and does not: weight edges by [`independent_per_m`](Self::independent_per_m), then add
+/// [`correlated_per_m`](Self::correlated_per_m) to the result.
 ///
 /// Which source dominates, for a level camera that moves sideways at v past an edge at depth Z, with f the focal length in
 /// pixels and l the line time:
@@ -16,7 +17,7 @@ use crate::scalar::{Scalar, hypot};
 /// | --- | --- | --- |
 /// | noise | σ_x √(12/N³) Z/(f v l) | few rows N, far edges, low contrast |
 /// | lean, gravity | σ_β Z/(f v l) | one frame without a known exposure: nearly always |
-/// | lens | of the blur's own, where lean or gravity would be larger | long exposure, unknown lens |
+/// | lens | the error of the blur measurement, where lean or gravity would be larger | long exposure, unknown lens |
 /// | speed | σ_v/v | near edges, several frames |
 /// | rate | σ_ω Z/v | far edges, slow cameras |
 /// | readout | σ_s/s | near edges, one frame |
@@ -27,11 +28,11 @@ use crate::scalar::{Scalar, hypot};
 pub struct Budget<S> {
     /// Noise of the edge's columns and widths.
     pub noise_per_m: S,
-    /// The edge's own lean, as far as it is not measured.
+    /// The edge's own lean, as far as it has not been measured.
     pub lean_per_m: S,
     /// Roll and pitch of gravity.
     pub gravity_per_m: S,
-    /// The lens's own blur, where the edge's blur has borne on the estimate.
+    /// The lens's own blur, where the blur of the edge has entered the estimate.
     pub lens_per_m: S,
     /// Speed.
     pub speed_per_m: S,
@@ -104,15 +105,15 @@ impl<S: Scalar> Budget<S> {
         self.parts().into_iter().fold((ErrorSource::Noise, self.noise_per_m), larger).0
     }
 
-    /// One standard deviation of what is this edge's own: noise and lean.
+    /// One standard deviation of the part that is independent from edge to edge: noise and lean.
     #[must_use]
-    pub fn own_per_m(&self) -> S {
+    pub fn independent_per_m(&self) -> S {
         hypot(self.noise_per_m, self.lean_per_m)
     }
 
-    /// One standard deviation of what moves all edges of a frame together.
+    /// One standard deviation of the part that is correlated over all edges of a frame.
     #[must_use]
-    pub fn common_per_m(&self) -> S {
+    pub fn correlated_per_m(&self) -> S {
         let parts = [
             self.gravity_per_m,
             self.lens_per_m,

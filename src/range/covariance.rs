@@ -2,18 +2,18 @@
 
 use crate::scalar::{Scalar, hypot};
 
-/// Sigmas and correlations instead of variances, for whose squares fixed point has no room.
+/// Sigmas and correlations; fixed point has no room for variances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Covariance<S> {
-    /// Of bearing, inverse depth and tilt.
+    /// One standard deviation of bearing, inverse depth and tilt.
     pub(crate) sigma: [S; 3],
-    /// Of bearing and inverse depth, bearing and tilt, inverse depth and tilt.
+    /// Correlation of bearing and inverse depth, bearing and tilt, inverse depth and tilt.
     pub(crate) correlation: [S; 3],
 }
 
 impl<S: Scalar> Covariance<S> {
-    /// With variances in units of `scale²`: `[aa, ρρ, ββ, aρ, aβ, ρβ]`.
+    /// From variances and covariances in units of `scale²`: `[aa, ρρ, ββ, aρ, aβ, ρβ]`.
     pub(crate) fn scaled(scale: [S; 3], moments: [S; 6]) -> Self {
         let [aa, rr, bb, ar, ab, rb] = moments;
         let [root_a, root_r, root_b] = [aa, rr, bb].map(S::sqrt);
@@ -24,7 +24,7 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// With one more independent error that moves all three by `effect`.
+    /// The same with one more independent error, which moves the three by `effect`.
     #[must_use]
     pub(crate) fn and(&self, effect: [S; 3]) -> Self {
         let ([a, r, b], [ea, er, eb]) = (self.sigma, effect);
@@ -41,7 +41,7 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// That of `jacobian · (a, ρ, β)`.
+    /// The covariance of `jacobian · (a, ρ, β)`.
     #[must_use]
     pub(crate) fn through(&self, jacobian: [[S; 3]; 3]) -> Self {
         let [sa, sr, sb] = self.sigma;
@@ -64,8 +64,8 @@ impl<S: Scalar> Covariance<S> {
         xa * (ya + ar * yr + ab * yb) + xr * (ar * ya + yr + rb * yb) + xb * (ab * ya + rb * yr + yb)
     }
 
-    /// The same as three independent statements about (a, ρ, β), each a row of coefficients with its sigma: of a given
-    /// the others, of ρ given β, and of β. The last has a sigma of zero where tilt is not in question.
+    /// The same as three independent statements about (a, ρ, β), each three coefficients with a sigma: a given the
+    /// others, ρ given β, and β alone. The last has a sigma of zero where the tilt is not estimated.
     pub(crate) fn statements(&self) -> [([S; 3], S); 3] {
         let [sa, sr, sb] = self.sigma;
         let [ar, ab, rb] = self.correlation;

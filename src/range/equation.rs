@@ -1,4 +1,4 @@
-//! [`Equation`]: one linearised observation; [`Equations`]: all of a round.
+//! [`Equation`]: one linearised observation; [`Equations`]: all those of a round.
 
 use heapless::Vec;
 
@@ -13,7 +13,7 @@ pub(crate) struct Equation<S> {
     pub(crate) q: S,
     pub(crate) w: S,
     pub(crate) y: S,
-    /// One sigma of y, later that of the best row relative to it: a weight between 0 and 1, to be squared.
+    /// One sigma of y; after normalisation the smallest sigma of all relative to it: the root of a weight from 0 to 1.
     pub(crate) root_weight: S,
 }
 
@@ -23,20 +23,20 @@ impl<S: Scalar> Equation<S> {
     }
 }
 
-/// What was believed before, as one more observation, and how an error of each cause has moved it.
+/// A prior as one more observation, and how a unit of each shared error has moved it.
 #[derive(Clone, Copy)]
 pub(crate) struct PriorEquation<S> {
     pub(crate) equation: Equation<S>,
     pub(crate) errors: [S; SHARED_ERRORS],
 }
 
-/// All observations of a round.
+/// All equations of a round.
 pub(crate) struct Equations<S, const N: usize> {
     pub(crate) observed: Vec<Equation<S>, N>,
     pub(crate) prior: Vec<PriorEquation<S>, MOST_PRIORS>,
 }
 
-/// Bearing, inverse depth and tilt from earlier frames, and the blur.
+/// Bearing, inverse depth and tilt of earlier frames, and the blur.
 pub(crate) const MOST_PRIORS: usize = 4;
 
 impl<S: Scalar, const N: usize> Equations<S, N> {
@@ -56,7 +56,7 @@ impl<S: Scalar, const N: usize> Equations<S, N> {
         self.iter().fold(S::ZERO, |sum, equation| sum + equation.weight() * value(equation))
     }
 
-    /// Turns each row's sigma into its weight relative to the best one, whose sigma is returned.
+    /// Turns sigmas into weights relative to the smallest sigma, which is returned.
     pub(super) fn normalise_weights(&mut self) -> S {
         let best = self.iter().map(|equation| equation.root_weight).filter(|sigma| *sigma > S::ZERO).reduce(S::min);
         let unit = best.unwrap_or(S::EPSILON);
@@ -66,7 +66,7 @@ impl<S: Scalar, const N: usize> Equations<S, N> {
         unit
     }
 
-    /// Whether anything is believed of the tilt: without that it is taken to be zero, not free.
+    /// Whether there is a prior for the tilt; without one it is zero, not free.
     pub(super) fn has_tilt(&self) -> bool {
         self.prior.iter().any(|prior| prior.equation.w != S::ZERO)
     }

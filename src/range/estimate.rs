@@ -1,4 +1,4 @@
-//! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance come with an interval.
+//! [`Estimate`]: bearing and inverse depth of an edge with their covariance; depth and distance are intervals.
 
 use super::budget::Budget;
 use super::goodness_of_fit::GoodnessOfFit;
@@ -132,6 +132,15 @@ impl<S: Scalar> Estimate<S> {
         let (a, rho) = (self.sigma_bearing, self.sigma_inverse_depth_per_m);
         let mixed = self.correlation * a * rho;
         [[a * a, mixed], [mixed, rho * rho]]
+    }
+
+    /// Whether each of its numbers is one.
+    pub(super) fn is_finite(&self) -> bool {
+        let where_it_is = [self.bearing, self.inverse_depth_per_m, self.tilt, self.distance_per_depth];
+        let how_well =
+            [self.sigma_bearing, self.sigma_inverse_depth_per_m, self.sigma_tilt, self.correlation, self.misfit];
+        let parts = self.budget.parts().map(|(_, part)| part);
+        where_it_is.into_iter().chain(how_well).chain(parts).all(S::is_finite)
     }
 
     /// Of the inverse depth.

@@ -36,15 +36,15 @@ use crate::setup::{Camera, Setup};
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
-/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where tilt is free, at most
-/// 130 where samples must be left out; 40 `N` numbers of stack.
+/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the tilt
+/// is free, at most 130 where outliers must be rejected; 40 `N` numbers of stack.
 ///
-/// *Source*: `m · (P0 − p(t)) = 0`; for a level camera in translation along x this is the paper's equation (3).
+/// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the paper's equation (3).
 ///
 /// ```
 /// use shutter_range::{Sample, Setup, Twist, Uncertainty, fit};
 /// let setup = Setup::pinhole(640, 480, 600.0_f64, 33_300_000)?.with_uncertainty(Uncertainty::NONE)?;
-/// let motion = Twist::level([-2.0, 0.0, 0.0])?; // to the left, so the edge wanders to the right
+/// let motion = Twist::level([-2.0, 0.0, 0.0])?; // to the left, so the edge moves to the right
 /// let samples = [0.0, 0.01, 0.02, 0.03]
 ///     .map(|time_s| Sample::point(300.0 + 600.0 * 2.0 * time_s / 4.0, 0.0, time_s, 0.1));
 /// let estimate = fit::<_, _, 8>(&setup, &motion, samples)?;
@@ -60,15 +60,15 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     fit_with::<S, M, N>(setup, motion, samples, &prior).map(|fitted| fitted.estimate)
 }
 
-/// An estimate, and what a next frame needs to go on from it.
+/// An estimate, and what the next frame needs of it.
 pub(crate) struct Fitted<S, const N: usize> {
     pub(crate) estimate: Estimate<S>,
     pub(crate) state: LineState<S>,
-    /// Which of the samples were of this edge.
+    /// Which of the samples are inliers.
     pub(crate) inliers: Vec<bool, N>,
 }
 
-/// [`fit`] with what is believed beforehand.
+/// [`fit`] with a prior.
 pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
@@ -81,7 +81,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     if problem.observations.len() < least {
         return Err(FitError::TooFewSamples(problem.observations.len()));
     }
-    // The linear problem is exact in the first round but for tilt, blur, weights and noise in q.
+    // The problem is linear but for tilt, blur, weights and the noise in q, which the first round leaves out.
     let start = match &prior.state {
         Some(state) => state.line3,
         None => problem.round(&Line3::start(motion.gravity()), Round::First)?.line3,
@@ -96,7 +96,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     }
     let goodness_of_fit = problem.goodness_of_fit(&solved);
     if goodness_of_fit.significant {
-        // The noise was understated where the residuals are larger than chance allows; what is believed was not.
+        // Residuals larger than chance allows mean that the noise was understated; the priors stay as they are.
         problem
             .observations
             .iter_mut()
@@ -107,9 +107,12 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     let sensitivity = Sensitivity::of(&problem.observations, &line3, &equations, &solution, setup);
     let state = LineState { line3, covariance: solution.covariance(), sensitivity };
     let estimate = Estimate::new(&state, setup, &goodness_of_fit);
+    if !estimate.is_finite() {
+        return Err(FitError::Diverged);
+    }
     let mut inliers = Vec::new();
     for observation in &problem.observations {
-        // As many as there are sights; `collect` could panic.
+        // There is room: as many as observations. `collect` could panic.
         let _ = inliers.push(observation.is_inlier);
     }
     Ok(Fitted { estimate, state, inliers })
@@ -147,7 +150,7 @@ fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Rou
     let dm = cross(observation.along_row, down);
     let [mx, _, _] = m;
     let [dmx, _, _] = dm;
-    // A tenth of its size for a level camera: below, one pixel of column is worth ten.
+    // A tenth of its value for a level camera: below it, one pixel of column weighs as ten do there.
     if !(mx.abs() > S::ratio(1, 10)) {
         return None;
     }
@@ -169,7 +172,7 @@ fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Rou
 
 const MAX_REJECTIONS: usize = 4;
 const REWEIGHTING_ROUNDS: usize = 16;
-/// Beyond so many times the usual deviation a sample may be of something else, or is.
+/// Beyond so many times the robust scale a sample may be an outlier, or is one.
 const SUSPICIOUS: i32 = 3;
 const OUTLIER: i32 = 4;
 const MOST_ROUNDS: usize = 8;
@@ -187,7 +190,7 @@ struct Solved<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Solved<S, N> {
-    /// Sum of the squares of all deviations, beliefs included.
+    /// Sum of the squares of all deviations, those from the priors included.
     fn cost(&self) -> S {
         let squares = self.equations.iter().map(|equation| self.solution.deviation(equation)).map(|off| off * off);
         squares.fold(S::ZERO, |sum, square| sum + square)
@@ -202,7 +205,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             if !observation.is_inlier {
                 equation.root_weight = S::ZERO;
             }
-            // As many rows as sights.
+            // There is room: as many as observations.
             let _ = equations.observed.push(equation);
         }
         self.prior.observe(self.setup, line3, &mut equations);
@@ -210,35 +213,42 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(Solved { line3: solution.apply(line3), solution, equations })
     }
 
-    /// More rounds, until one changes next to nothing: mostly two. What does not settle is no straight edge: one round tells roughly
-    /// where it is.
-    fn settle(&self, line3: &Line3<S>) -> Result<Solved<S, N>, FitError> {
-        let mut solved = self.round(line3, Round::Later)?;
+    /// Iterates until a round changes next to nothing: mostly two. `None` where the rounds do not converge.
+    fn converge(&self, line3: &Line3<S>) -> Option<Solved<S, N>> {
+        let mut solved = self.round(line3, Round::Later).ok()?;
         for _ in 1..MOST_ROUNDS {
             if solved.solution.step() < S::ratio(1, 50) {
-                return Ok(solved);
+                return Some(solved);
             }
-            solved = self.round(&solved.line3, Round::Later)?;
+            solved = self.round(&solved.line3, Round::Later).ok()?;
         }
-        self.round(line3, Round::Later)
+        None
     }
 
-    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind the
-    /// camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    /// The same. What does not converge is no straight edge; one round tells roughly where it is.
+    fn settle(&self, line3: &Line3<S>) -> Result<Solved<S, N>, FitError> {
+        self.converge(line3).map_or_else(|| self.round(line3, Round::Later), Ok)
+    }
+
+    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
+    /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
     fn settle_in_front(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
         let solved = self.settle(start)?;
         let line3 = solved.line3;
         if line3.tilt == S::ZERO || !(line3.inverse_depth < S::ZERO) {
             return Ok(solved);
         }
-        let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
-        let other = self.settle(&mirrored)?;
-        let is_as_good = other.cost() < solved.cost() + S::from_i32(9);
-        Ok(if other.line3.inverse_depth > S::ZERO && is_as_good { other } else { solved })
+        let mirrored = self.converge(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 });
+        let is_as_good = |other: &Solved<S, N>| {
+            let [_, sigma_per_m, _] = other.solution.covariance().sigma;
+            let is_in_front = other.line3.inverse_depth > S::ZERO && sigma_per_m < S::UNKNOWN;
+            is_in_front && other.cost() < solved.cost() + S::from_i32(9)
+        };
+        Ok(mirrored.filter(is_as_good).unwrap_or(solved))
     }
 
-    /// What the samples say without those that would draw the fit towards themselves: least absolute deviations, by weights.
-    /// `None` where none deviates enough, or where they lead nowhere.
+    /// Least absolute deviations by iterative reweighting (IRLS), so that outliers do not pull the fit towards them. `None`
+    /// where no sample deviates enough, or where the rounds fail.
     fn reweight(&mut self, solved: &Solved<S, N>) -> Option<Solved<S, N>> {
         let sizes = self.deviations(solved);
         let limit = robust_scale_of(&sizes) * S::from_i32(SUSPICIOUS);
@@ -261,24 +271,24 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         reweighted
     }
 
-    /// How far off the samples are that are still in, in units of their own noise.
+    /// Absolute deviations of the inliers, in units of their own noise.
     fn deviations(&self, solved: &Solved<S, N>) -> Vec<S, N> {
         let mut sizes = Vec::new();
         for (equation, observation) in
             solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.is_inlier)
         {
-            // As many as sights.
+            // There is room: as many as observations.
             let _ = sizes.push(solved.solution.deviation(equation).abs() * observation.robust_scale);
         }
         sizes
     }
 
-    /// Leaves out the samples that lie much farther off than the others do, such as those of an object in between. A third of
-    /// them at most: if more do not fit, then this is no straight edge. Doubt ends here.
+    /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a third
+    /// of them: if more do not fit, this is no straight edge. Ends the reweighting.
     fn reject_outliers(&mut self, reweighted: &Solved<S, N>) -> bool {
         let sizes = self.deviations(reweighted);
         let count = sizes.len();
-        // Of few samples it is not well known what is usual.
+        // From few samples the robust scale is not well known.
         let limit = robust_scale_of(&sizes) * (S::from_i32(OUTLIER) + S::ratio(16, count.max(1) as i32));
         let outliers = sizes.iter().filter(|size| **size > limit).count();
         let leave_out = outliers > 0 && 3 * (self.observations.len() - count + outliers) <= self.observations.len();
@@ -291,7 +301,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     fn goodness_of_fit(&self, solved: &Solved<S, N>) -> GoodnessOfFit<S> {
-        // Knots are means over curved arcs: what they may cost is no sign of a bend.
+        // Knots are means over curved arcs: what that costs is no sign of a bend.
         let floor = S::ratio(1, 256);
         let kept =
             solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.is_inlier);
@@ -301,8 +311,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 }
 
-/// How large deviations usually are: what two thirds of them stay below, as of normal values with one sigma, without a sort.
-/// Half a sigma at least: of values that hardly deviate none is a stranger.
+/// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is needed.
+/// At least half a sigma: where all deviations are tiny, none is an outlier.
 fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
     let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
     let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);

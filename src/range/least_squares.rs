@@ -1,16 +1,16 @@
-//! One round of weighted least squares, by orthogonalisation, over what the samples show and what is believed beforehand.
+//! One round of weighted least squares, by orthogonalisation, over observations and priors. docs/model.md, section 3.
 
 use super::covariance::Covariance;
 use super::equation::{Equation, Equations};
 use super::line3::Line3;
 use crate::scalar::{Scalar, hypot};
 
-/// What a round finds, in units that keep every number near one: y in sigmas of the best row, q in its own spread.
+/// What a round finds, in units that keep every number near one: y in the smallest sigma, q in its own spread.
 #[derive(Clone, Copy)]
 pub(crate) struct Solution<S> {
-    /// One sigma of the best row.
+    /// The smallest sigma.
     unit: S,
-    /// Spread of q; zero where neither the motion nor anything believed says something.
+    /// Spread of q; zero where neither the motion nor a prior says anything of the depth.
     spread: S,
     mean_q: S,
     mean_w: S,
@@ -20,7 +20,7 @@ pub(crate) struct Solution<S> {
     c: S,
     /// ⟨w⊥, w⊥⟩; zero where tilt is not estimated.
     ww: S,
-    /// In y: mean, along q and along w⊥.
+    /// Components of y: mean, along q and along w⊥.
     mean_y: S,
     rho: S,
     beta: S,
@@ -30,7 +30,7 @@ fn over<S: Scalar>(value: S) -> S {
     if value > S::ZERO { S::ONE / value } else { S::ZERO }
 }
 
-/// Weighted least squares by orthogonalisation: first the constant, then q, then what w has beyond q.
+/// Weighted least squares by orthogonalisation: first the constant, then q, then the part of w that is orthogonal to q.
 pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> Solution<S> {
     let unit = equations.normalise_weights();
     let weight = equations.sum(|equation| equation.one * equation.one);
@@ -60,7 +60,7 @@ pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) 
 }
 
 impl<S: Scalar> Solution<S> {
-    /// What w has beyond q: the part of tilt that does not look like depth.
+    /// The part of w that is orthogonal to q: what of the tilt does not look like depth.
     fn across(&self, equation: &Equation<S>) -> S {
         equation.w - self.c * equation.q
     }
@@ -75,7 +75,7 @@ impl<S: Scalar> Solution<S> {
         }
     }
 
-    /// (δa, δρ, δβ) from what y is along the orthogonal directions.
+    /// (δa, δρ, δβ) from the components along the orthogonal directions.
     fn unknowns(&self, mean: S, along: S, across: S) -> [S; 3] {
         let rho = (along - self.c * across) * over(self.spread);
         [mean - rho * self.mean_q - across * self.mean_w, rho, across]
@@ -87,12 +87,12 @@ impl<S: Scalar> Solution<S> {
         hypot(along, self.beta * self.ww.sqrt()) / self.unit
     }
 
-    /// Residual of a row in units of its own noise.
+    /// Residual of an equation in units of its own noise.
     pub(crate) fn deviation(&self, equation: &Equation<S>) -> S {
         (equation.y - self.rho * equation.q - self.beta * self.across(equation)) / self.unit * equation.root_weight
     }
 
-    /// How small errors of y, one for each row, move the unknowns.
+    /// How small errors of y, one for each equation, move the unknowns.
     pub(crate) fn response<const N: usize>(
         &self,
         equations: &Equations<S, N>,
@@ -108,7 +108,7 @@ impl<S: Scalar> Solution<S> {
         self.unknowns(mean * over(self.weight), along * over(self.qq), across * over(self.ww))
     }
 
-    /// Where the motion says nothing of the depth.
+    /// The covariance where the motion says nothing of the depth.
     fn covariance_of_bearing_and_tilt(&self) -> Covariance<S> {
         let (beta, w) = (over(self.ww), self.mean_w);
         let moments = [over(self.weight) + w * w * beta, S::ZERO, beta, S::ZERO, -(w * beta), S::ZERO];
@@ -117,7 +117,7 @@ impl<S: Scalar> Solution<S> {
         Covariance { sigma: [bearing, S::UNKNOWN, tilt], ..known }
     }
 
-    /// Covariance of the noise of all rows, the believed ones included.
+    /// Covariance from the noise of all equations, the priors included.
     pub(crate) fn covariance(&self) -> Covariance<S> {
         if !(self.qq > S::ZERO && self.spread > S::ZERO) {
             return self.covariance_of_bearing_and_tilt();
@@ -125,7 +125,7 @@ impl<S: Scalar> Solution<S> {
         let beta = over(self.ww);
         let rho = S::ONE / self.qq + self.c * self.c * beta;
         let rho_beta = -self.c * beta;
-        // Of a = mean y − q̄ ρ − w̄ β.
+        // a = mean y − q̄ ρ − w̄ β
         let q = self.mean_q / self.spread;
         let w = self.mean_w;
         let bearing = over(self.weight) + q * q * rho + w * w * beta + (q * w + q * w) * rho_beta;

@@ -6,10 +6,10 @@ use super::status::RangeStatus;
 use crate::scalar::{Scalar, hypot};
 use crate::setup::MotionBlur;
 
-/// The lens's own blur as the edges so far show it, beginning with what is known before.
+/// The lens's own blur, estimated from the edges seen so far, starting from a prior.
 ///
-/// Edges that hardly move during the exposure, or whose depth is known from several frames, tell the lens; with it, the
-/// blur of the others tells their slope.
+/// Edges that hardly move during the exposure, or whose depth is known from several frames, show the lens's blur; once that
+/// is known, the blur of other edges measures their motion.
 ///
 /// ```
 /// use shutter_range::{LensBlur, MotionBlur};
@@ -27,7 +27,7 @@ pub struct LensBlur<S> {
 }
 
 impl<S: Scalar> LensBlur<S> {
-    /// Begins with what is known, [`MotionBlur::from_exposure`] if nothing is.
+    /// Starts from a prior: [`MotionBlur::from_exposure`] where nothing is known of the lens.
     #[must_use]
     pub fn new(known: MotionBlur<S>) -> Self {
         let lens = known.lens_blur_px.max(S::ratio(1, 10));
@@ -35,9 +35,9 @@ impl<S: Scalar> LensBlur<S> {
         Self { exposure_s: known.exposure_s, variance_px2: lens * lens, sigma_px2 }
     }
 
-    /// Takes in what a range tells, if it does; one that contradicts what is known is left out.
+    /// Takes in what a range says of the lens, if anything. A range more than four sigma off is left out.
     ///
-    /// Sigma does not fall below a twentieth: a lens is not equally sharp everywhere.
+    /// Sigma stays above a twentieth of the blur: no lens is equally sharp everywhere.
     pub fn learn(&mut self, range: &Range<S>) {
         let upright = matches!(range.status, RangeStatus::Ok | RangeStatus::Far);
         let Some(LensBlurMeasurement { variance_px2, sigma_px2 }) = range.lens_blur.filter(|_| upright) else { return };
@@ -48,11 +48,11 @@ impl<S: Scalar> LensBlur<S> {
         }
         let part = self.sigma_px2 / joint;
         self.variance_px2 = (self.variance_px2 + off * part * part).max(S::ratio(1, 100));
-        // Twice a twentieth, since the variance is a square.
+        // Twice a twentieth of the variance, which is a square.
         self.sigma_px2 = (sigma_px2 * part).max(self.variance_px2 * S::ratio(1, 10)).min(self.sigma_px2);
     }
 
-    /// What is known now.
+    /// The current estimate.
     #[must_use]
     pub fn motion_blur(&self) -> MotionBlur<S> {
         let lens_blur_px = self.variance_px2.sqrt();

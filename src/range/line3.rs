@@ -1,4 +1,4 @@
-//! [`Line3`]: the straight line that is sought, in the axes of the frame-start camera.
+//! [`Line3`]: the straight line in space that is fitted, in the axes of the frame-start camera. docs/model.md, section 3.
 
 use super::observation::Observation;
 use crate::scalar::{Scalar, add, cross, dot, scale};
@@ -11,7 +11,7 @@ pub(crate) struct Line3<S> {
     pub(crate) inverse_depth: S,
     pub(crate) tilt: S,
     pub(crate) gravity: [S; 3],
-    /// Unit vector in the image plane, across gravity: `g + β e` is where a leaning edge points.
+    /// Unit vector e in the image plane, perpendicular to gravity: a leaning edge points along `g + β e`.
     pub(crate) lean: [S; 3],
 }
 
@@ -19,7 +19,7 @@ impl<S: Scalar> Line3<S> {
     pub(crate) fn start(gravity: [S; 3]) -> Self {
         let [gx, gy, _] = gravity;
         let length = (gx * gx + gy * gy).sqrt();
-        // Looking straight down there is no such direction; every sample is refused as sideways then.
+        // A camera that looks straight down has no such direction; every sample is then refused as sideways.
         let lean = if length > S::ZERO { [gy / length, -gx / length, S::ZERO] } else { [S::ONE, S::ZERO, S::ZERO] };
         Self { bearing: S::ZERO, inverse_depth: S::ZERO, tilt: S::ZERO, gravity, lean }
     }
@@ -28,13 +28,14 @@ impl<S: Scalar> Line3<S> {
         add(self.gravity, scale(self.lean, self.tilt))
     }
 
-    /// `m · P` with `P = (a, 0, 1) − ρ p`, added up so that what nearly cancels does so first: single precision then loses one rounding, not four.
+    /// `m · P` with `P = (a, 0, 1) − ρ p`. The terms that nearly cancel are added first: single precision then loses one
+    /// rounding, not four.
     pub(crate) fn offset(&self, m: [S; 3], observation: &Observation<S>) -> S {
         let [mx, _, mz] = m;
         (mx * self.bearing + mz) - self.inverse_depth * dot(m, observation.position)
     }
 
-    /// How far along the row, in pixels, a sight lies from the edge; `None` where rows run along the edge.
+    /// How far along the row, in pixels, an observation lies from the line; `None` where the line runs along the row.
     pub(crate) fn residual_px(&self, observation: &Observation<S>) -> Option<S> {
         let miss = self.offset(cross(observation.direction, self.direction()), observation);
         let per_px = self.offset(cross(observation.along_row, self.direction()), observation);

@@ -1,4 +1,4 @@
-//! [`LineState`]: what is known of an edge, and how it changes on the way to the next frame.
+//! [`LineState`]: what is known of an edge after a frame.
 
 use super::covariance::Covariance;
 use super::equation::{Equation, PriorEquation};
@@ -6,12 +6,12 @@ use super::line3::Line3;
 use super::sensitivity::Sensitivity;
 use crate::scalar::{Scalar, dot, hypot};
 
-/// Bearing, inverse depth and tilt with all that is known of their errors.
+/// Bearing, inverse depth and tilt, their covariance, and their derivatives by shared errors.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct LineState<S> {
     pub(crate) line3: Line3<S>,
-    /// Of noise and beliefs, without what moves all samples together.
+    /// From noise and priors, without the errors that all samples share.
     pub(crate) covariance: Covariance<S>,
     pub(crate) sensitivity: Sensitivity<S>,
 }
@@ -30,7 +30,7 @@ impl<S: Scalar> LineState<S> {
         })
     }
 
-    /// Whether another edge is surely at another depth.
+    /// Whether another edge is at another depth, by three sigma.
     pub(crate) fn is_apart(&self, other: &Self) -> bool {
         let ([_, sigma, _], [_, others_sigma, _]) = (self.covariance.sigma, other.covariance.sigma);
         let apart = (self.line3.inverse_depth - other.line3.inverse_depth).abs();

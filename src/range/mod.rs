@@ -17,6 +17,7 @@ mod status;
 mod estimate;
 mod fit;
 mod range;
+mod display;
 mod lens_blur;
 
 pub use blur::LensBlurMeasurement;

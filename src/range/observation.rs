@@ -1,11 +1,11 @@
-//! What a sample sees, and the edge that is sought, both in the axes of the frame-start camera.
+//! [`Observation`]: a sample as a ray in the axes of the frame-start camera. docs/model.md, section 3.
 
 use super::sample::Sample;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, add, cross, dot, scale, sub};
 use crate::setup::Camera;
 
-/// What one sample says, whatever the edge: a ray, where it starts, and how it moves along the row.
+/// The ray of a sample: its direction, where it starts, and how it changes along the row.
 #[derive(Clone, Copy)]
 pub(crate) struct Observation<S> {
     /// `R r`
@@ -15,17 +15,17 @@ pub(crate) struct Observation<S> {
     /// Change of the direction per pixel of column.
     pub(crate) along_row: [S; 3],
     pub(crate) position: [S; 3],
-    /// By how much the mean of `m · p` over the sample's spread exceeds the `m · p` of the means.
+    /// The mean of `m · p` over the sample's spread minus the `m · p` of the means.
     pub(crate) covariance: S,
-    /// Velocity times time: where a relative error of all times puts the camera.
+    /// Velocity times time: derivative of the position by a relative error of all times.
     pub(crate) advanced: [S; 3],
-    /// Rotation rate times time.
+    /// Rotation rate times time: the same for the attitude.
     pub(crate) turned: [S; 3],
     pub(crate) time_s: S,
     pub(crate) sigma_px: S,
-    /// False once it has turned out to be of something else.
+    /// False once the robust fit has rejected it.
     pub(crate) is_inlier: bool,
-    /// How many times larger than stated its noise is taken to be while strangers are sought.
+    /// Factor on the stated noise while the fit is reweighted; one otherwise.
     pub(crate) robust_scale: S,
 }
 
@@ -35,7 +35,7 @@ impl<S: Scalar> Observation<S> {
         if sample.spread.row_px == S::ZERO {
             return Some(middle);
         }
-        // The mean over a stretch is, up to the third order, that of two points one standard deviation off its middle.
+        // Up to the third order, the mean over a span is that of two points one standard deviation off its middle.
         let before = Self::at(camera, motion, sample, -S::ONE)?;
         let after = Self::at(camera, motion, sample, S::ONE)?;
         let half = S::ratio(1, 2);
@@ -50,7 +50,7 @@ impl<S: Scalar> Observation<S> {
         })
     }
 
-    /// The ray `spreads` standard deviations along the sample's stretch; `None` where the lens gives none.
+    /// The ray so many standard deviations along the sample's span; `None` where the lens model has none.
     fn at<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>, spreads: S) -> Option<Self> {
         let spread = &sample.spread;
         let time_s = sample.time_s + spread.time_s * spreads;
@@ -65,7 +65,7 @@ impl<S: Scalar> Observation<S> {
             advanced: scale(pose.velocity_m_s, time_s),
             turned: scale(pose.rate_rad_s, time_s),
             time_s,
-            // Rounding of the column itself is noise, too, where the stated one is smaller.
+            // No less than the rounding of the column itself.
             sigma_px: sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON)),
             is_inlier: true,
             robust_scale: S::ONE,

@@ -1,4 +1,4 @@
-//! [`Prior`]: what is known of an edge before its columns are looked at.
+//! [`Prior`]: what is known of an edge before its line is seen.
 
 use super::blur::BlurMeasurement;
 use super::equation::{Equation, Equations, PriorEquation};
@@ -8,16 +8,16 @@ use super::shared_error::SharedError;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
-/// Prior and blur: each becomes a row of the same least squares that the columns enter.
+/// Earlier frames, or an upright edge, and the blur: each becomes an equation of the same least squares.
 #[derive(Clone, Copy)]
 pub(crate) struct Prior<S> {
-    /// What earlier frames told; otherwise an edge is upright but for the setup's sigma of tilt.
+    /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
     pub(crate) state: Option<LineState<S>>,
     pub(crate) blur: Option<BlurMeasurement<S>>,
 }
 
 impl<S: Scalar> Prior<S> {
-    /// Adds what is believed to a round about `edge`.
+    /// Adds its equations, linearised about `line3`.
     pub(crate) fn observe<const N: usize>(&self, setup: &Setup<S>, line3: &Line3<S>, equations: &mut Equations<S, N>) {
         match &self.state {
             Some(state) => state.equations(line3).into_iter().for_each(|equation| add(equations, equation)),
@@ -29,15 +29,15 @@ impl<S: Scalar> Prior<S> {
     }
 }
 
-/// A statement without a sigma says nothing.
+/// A prior with a sigma of zero is none.
 fn add<S: Scalar, const N: usize>(equations: &mut Equations<S, N>, equation: PriorEquation<S>) {
     if equation.equation.root_weight > S::ZERO {
-        // Three of a state and one of blur at most.
+        // There is room: three of a state and one of the blur at most.
         let _ = equations.prior.push(equation);
     }
 }
 
-/// Upright, but for lean and the direction of gravity.
+/// An upright edge, but for its lean and the direction of gravity.
 fn upright<S: Scalar>(setup: &Setup<S>, line3: &Line3<S>) -> PriorEquation<S> {
     let root_weight = setup.uncertainty().sigma_tilt_at(line3.bearing);
     PriorEquation {

@@ -81,6 +81,7 @@ impl<S: Scalar> Range<S> {
                 (range, Some(fitted.state))
             }
             Err(FitError::Sideways(_)) => (Self { status: RangeStatus::Sideways, ..range }, None),
+            Err(FitError::Diverged) => (Self { status: status_of(setup, line, &range.estimate), ..range }, None),
             // A line of too few knots; the others cannot come from a line.
             Err(_) => (range, None),
         }
@@ -200,7 +201,8 @@ fn may_be_by_chance<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Ran
     line.is_of_pixels() && (has_gaps && fits_badly || is_short && (line.is_cluttered() || has_gaps || fits_badly))
 }
 
-/// Column at which the fitted line crosses the row of `near`, by Newton's iteration along that row.
+/// Column at which the fitted line crosses the row of `near`, by Newton's iteration along that row; that of `near` itself
+/// where the line does not cross the row.
 fn column_at<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, line3: &Line3<S>, near: &EdgePoint) -> S {
     let mut sample = Sample::point(near.column_px(), S::from_i32(i32::from(near.row)), near.time_s(), S::ONE);
     // Exact in one step without distortion.
@@ -211,5 +213,5 @@ fn column_at<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, line3: &Line
             None => break,
         }
     }
-    sample.column_px
+    if sample.column_px.is_finite() { sample.column_px } else { near.column_px() }
 }

@@ -1,11 +1,11 @@
-//! [`Sample`]: one observation for the solver, in real numbers.
+//! [`Sample`]: one observation of an edge in real numbers, as the solver takes it.
 
 use crate::line::{Knot, Line};
 use crate::scalar::{NS_PER_S, Scalar};
 
-/// One observation for the solver: a point of an edge in real numbers, or the mean of a stretch of it.
+/// One observation of an edge in real numbers: a point of it, or the mean over a span of rows.
 ///
-/// A [`Line`] makes one of each knot; someone with few, exact points can feed them as they are ([`Sample::point`]).
+/// Each knot of a [`Line`] gives one; with few, exact points, use them as they are ([`Sample::point`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample<S> {
@@ -17,8 +17,8 @@ pub struct Sample<S> {
     pub time_s: S,
     /// One standard deviation of the column's noise in pixels.
     pub sigma_px: S,
-    /// How column, row and time go together within the stretch that this is the mean of: one standard deviation of the
-    /// row, and what column and time change meanwhile. Zero for a point. The solver corrects for the curve with it.
+    /// How column, row and time vary together over the span: one standard deviation of the row, and the change of column
+    /// and time that goes with it. Zero for a point. The solver corrects for the curvature with it.
     pub spread: Spread<S>,
 }
 
@@ -42,7 +42,7 @@ impl<S: Scalar> Sample<S> {
         Self { column_px, row_px, time_s, sigma_px, spread }
     }
 
-    /// Takes the spread of rows, and the direction of the edge from the neighbours on either side.
+    /// With the spread of its rows, and the direction of the line from the neighbours on either side.
     fn with_spread(self, row_variance: S, before: &Self, after: &Self) -> Self {
         let rows = after.row_px - before.row_px;
         if rows == S::ZERO {
@@ -56,7 +56,7 @@ impl<S: Scalar> Sample<S> {
 }
 
 impl<const KNOTS: usize> Line<KNOTS> {
-    /// The mean of each knot that has edges, in the order of readout.
+    /// The mean of each knot that has points, in the order of readout.
     pub fn samples<S: Scalar>(&self) -> impl Iterator<Item = Sample<S>> {
         let filled = || self.knots.iter().filter(|knot| knot.points > 0);
         // Windows of three; at the ends the knot itself stands in for the neighbour it lacks.
@@ -79,8 +79,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         )
     }
 
-    /// Variance of the rows in a knot, in square pixels: that of evenly spaced rows as the line has them on the whole,
-    /// within the knot's span.
+    /// Variance of the rows in a knot, in square pixels, if they are spaced as evenly as those of the whole line.
     fn row_variance<S: Scalar>(&self, knot: &Knot) -> S {
         let between = i64::from(self.points.saturating_sub(1)).max(1);
         let spacing = S::from_ratio(i64::from(self.last.row.abs_diff(self.first.row)), between);

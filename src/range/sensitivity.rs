@@ -1,4 +1,4 @@
-//! [`Sensitivity`]: what a wrong tilt, lens, speed, rotation rate, readout time or focal length does to an estimate.
+//! [`Sensitivity`]: derivatives of an estimate by the errors that its samples share. docs/model.md, section 6.
 
 use super::budget::Budget;
 use super::covariance::Covariance;
@@ -10,7 +10,7 @@ use super::shared_error::{SHARED_ERRORS, SharedError};
 use crate::scalar::{Scalar, hypot, scale};
 use crate::setup::Setup;
 
-/// By how much a unit error of each cause moves bearing, inverse depth and tilt.
+/// By how much a unit of each shared error moves bearing, inverse depth and tilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Sensitivity<S>(pub(crate) [[S; 3]; SHARED_ERRORS]);
@@ -26,42 +26,42 @@ impl<S: Scalar> Sensitivity<S> {
         setup: &Setup<S>,
     ) -> Self {
         let mut sensitivity = Self::NONE;
-        for ((index, cause), effect) in SharedError::ALL.into_iter().enumerate().zip(&mut sensitivity.0) {
-            if cause.sigma(setup, line3.bearing) > S::ZERO {
-                let observed = observations.iter().map(|observation| cause.error(observation, line3));
+        for ((index, error), effect) in SharedError::ALL.into_iter().enumerate().zip(&mut sensitivity.0) {
+            if error.sigma(setup, line3.bearing) > S::ZERO {
+                let of_observations = observations.iter().map(|observation| error.error(observation, line3));
                 let prior =
                     equations.prior.iter().map(|equation| equation.errors.get(index).copied().unwrap_or(S::ZERO));
-                *effect = solution.response(equations, observed.chain(prior));
+                *effect = solution.response(equations, of_observations.chain(prior));
             }
         }
         sensitivity
     }
 
-    /// Each cause with its effect and its standard deviation.
-    fn weighed(&self, setup: &Setup<S>, bearing: S) -> impl Iterator<Item = (SharedError, [S; 3])> {
-        let causes = SharedError::ALL.into_iter().zip(self.0);
-        causes.map(move |(cause, effect)| (cause, scale(effect, cause.sigma(setup, bearing))))
+    /// Each error with what one standard deviation of it does.
+    fn scaled_by_sigma(&self, setup: &Setup<S>, bearing: S) -> impl Iterator<Item = (SharedError, [S; 3])> {
+        let errors = SharedError::ALL.into_iter().zip(self.0);
+        errors.map(move |(error, effect)| (error, scale(effect, error.sigma(setup, bearing))))
     }
 
-    /// The covariance of noise and beliefs, with all that moves the samples together.
+    /// The covariance from noise and priors, with the errors that all samples share.
     pub(crate) fn total(&self, own: Covariance<S>, setup: &Setup<S>, bearing: S) -> Covariance<S> {
-        let common = self.weighed(setup, bearing).filter(|(cause, _)| !cause.is_in_prior());
-        common.fold(own, |sum, (_, effect)| sum.and(effect))
+        let shared = self.scaled_by_sigma(setup, bearing).filter(|(error, _)| !error.is_in_prior());
+        shared.fold(own, |sum, (_, effect)| sum.and(effect))
     }
 
     /// Which part of the inverse depth's sigma comes from where.
     pub(crate) fn budget(&self, own: &Covariance<S>, setup: &Setup<S>, bearing: S) -> Budget<S> {
-        let [_, own_per_m, _] = own.sigma;
-        let mut budget = Budget::of_noise(own_per_m);
-        for (cause, [_, effect, _]) in self.weighed(setup, bearing) {
+        let [_, independent_per_m, _] = own.sigma;
+        let mut budget = Budget::of_noise(independent_per_m);
+        for (error, [_, effect, _]) in self.scaled_by_sigma(setup, bearing) {
             let part = effect.abs();
-            if cause.is_in_prior() {
+            if error.is_in_prior() {
                 let part = part.min(budget.noise_per_m);
                 budget.noise_per_m = ((budget.noise_per_m - part) * (budget.noise_per_m + part)).sqrt();
             }
-            match cause {
+            match error {
                 SharedError::Tilt => {
-                    let sigma = cause.sigma(setup, bearing);
+                    let sigma = error.sigma(setup, bearing);
                     let lean = if sigma > S::ZERO { setup.uncertainty().sigma_tilt / sigma } else { S::ZERO };
                     budget.lean_per_m = part * lean;
                     budget.gravity_per_m = part * ((S::ONE - lean) * (S::ONE + lean)).sqrt();

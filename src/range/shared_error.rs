@@ -1,4 +1,4 @@
-//! [`SharedError`]: what may be wrong in the same way for all samples of an edge.
+//! [`SharedError`]: an error that all samples of an edge share. docs/model.md, section 6.
 
 use super::line3::Line3;
 use super::observation::Observation;
@@ -8,7 +8,7 @@ use crate::setup::Setup;
 /// Something that is assumed, and may be wrong in the same way for all samples of an edge.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum SharedError {
-    /// The edge's tilt as the prior has it: its own lean and the direction of gravity.
+    /// The tilt of the prior: the edge's own lean and the direction of gravity.
     Tilt,
     /// The lens's own blur, in pixels.
     Lens,
@@ -41,17 +41,17 @@ impl SharedError {
         }
     }
 
-    /// An error of this cause and of no other.
+    /// An error of this kind alone.
     pub(crate) fn alone<S: Scalar>(self, error: S) -> [S; SHARED_ERRORS] {
         Self::ALL.map(|cause| if cause == self { error } else { S::ZERO })
     }
 
-    /// Whether the noise of the believed rows has it already.
+    /// Whether the noise of the prior equations includes it already.
     pub(super) fn is_in_prior(self) -> bool {
         matches!(self, Self::Tilt | Self::Lens)
     }
 
-    /// What a unit error adds to y = −F/m_x of a sight.
+    /// What a unit error adds to y = −F/m_x of an observation.
     pub(super) fn error<S: Scalar>(self, observation: &Observation<S>, line3: &Line3<S>) -> S {
         let still = [S::ZERO; 3];
         let (direction, position) = match self {

@@ -80,11 +80,12 @@ pub trait Scalar:
 /// Nanoseconds in a second.
 pub(crate) const NS_PER_S: i64 = 1_000_000_000;
 
-/// √(a² + b²) without squares that leave the range.
+/// √(a² + b²) without squares that leave the range; not a number where one of the two is none.
 pub(crate) fn hypot<S: Scalar>(a: S, b: S) -> S {
     let (large, small) = if a.abs() > b.abs() { (a.abs(), b.abs()) } else { (b.abs(), a.abs()) };
-    if !(large > S::ZERO) {
-        return S::ZERO;
+    // Zero, infinite, or not a number: no quotient of the two is one.
+    if !(large > S::ZERO && large.is_finite()) {
+        return large + small;
     }
     let part = small / large;
     large * (S::ONE + part * part).sqrt()

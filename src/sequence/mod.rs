@@ -1,4 +1,4 @@
-//! From frame to frame.
+//! From frame to frame: landmarks, their propagation, and the association of lines with them.
 
 mod propagation;
 mod landmark;

@@ -1,4 +1,4 @@
-//! From the start of one frame to the start of the next.
+//! [`FrameTransition`]: from the start of one frame to the start of the next. docs/model.md, section 8.
 
 use crate::motion::Pose;
 use crate::range::{Line3, LineState, SharedError};
@@ -6,38 +6,38 @@ use crate::scalar::{Scalar, add, cross, dot, hypot, on_axis, scale, sub};
 use crate::setup::Setup;
 
 impl<S: Scalar> LineState<S> {
-    /// The same edge for a camera at another place: what is known of it there, less what drifts on the way.
+    /// The same edge as seen from the next frame's start, with what drifts on the way added to the covariance.
     ///
     /// `None` where the edge is then beside or behind the camera.
     pub(crate) fn propagated(&self, setup: &Setup<S>, transition: &FrameTransition<S>) -> Option<Self> {
-        let view = View::of(&self.line3, transition)?;
-        let jacobian = view.jacobian(&self.line3, transition);
+        let propagated_line = Propagated::of(&self.line3, transition)?;
+        let jacobian = propagated_line.jacobian(&self.line3, transition);
         let uncertainty = setup.uncertainty();
-        // What of the edge's lean towards or away from the camera a turn brings into the image plane, and what of that and of
-        // the camera's pitch shows there as the bearing changes.
-        let turned = view.turned_lean(&self.line3, transition) * uncertainty.sigma_tilt;
-        let passed =
-            (view.line3.bearing - self.line3.bearing) * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
+        // A turn brings some of the lean towards or away from the camera into the image plane; so does a change of the
+        // bearing, which also lets the camera's pitch show as a tilt.
+        let turned = propagated_line.turned_lean(&self.line3, transition) * uncertainty.sigma_tilt;
+        let passed = (propagated_line.line3.bearing - self.line3.bearing)
+            * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
-        // Of an error that drifts, a part of what it has done so far is as good as random now.
+        // A part of what a drifting error has done so far is independent of its present value.
         let (kept, lost) = transition.drift();
         let mut sensitivity = self.sensitivity;
-        for (cause, effect) in SharedError::ALL.into_iter().zip(&mut sensitivity.0) {
+        for (error, effect) in SharedError::ALL.into_iter().zip(&mut sensitivity.0) {
             let mut propagated = times(jacobian, *effect);
-            if matches!(cause, SharedError::Speed | SharedError::Rate(_)) {
-                let sigma = cause.sigma(setup, self.line3.bearing);
+            if matches!(error, SharedError::Speed | SharedError::Rate(_)) {
+                let sigma = error.sigma(setup, self.line3.bearing);
                 covariance = covariance.and(scale(propagated, sigma * lost));
                 propagated = scale(propagated, kept);
             }
-            *effect = add(propagated, view.change_of(cause, &self.line3, transition));
+            *effect = add(propagated, propagated_line.change_of(error, &self.line3, transition));
         }
-        Some(Self { line3: view.line3, covariance, sensitivity })
+        Some(Self { line3: propagated_line.line3, covariance, sensitivity })
     }
 }
 
-/// From the start of one frame to the start of another.
+/// The way of the camera from the start of one frame to the start of the next.
 pub(crate) struct FrameTransition<S> {
-    /// Of the camera at the later frame's start, in the axes of the earlier one.
+    /// Pose of the camera at the later frame's start, in the axes of the earlier one.
     pub(crate) pose: Pose<S>,
     pub(crate) elapsed_s: S,
     /// Down, in the axes of the later frame's start.
@@ -52,29 +52,29 @@ impl<S: Scalar> FrameTransition<S> {
         add(add(scale(x, dx), scale(y, dy)), scale(z, dz))
     }
 
-    /// Which part of an error that stays much the same for a second is still the same, and which part is lost: their squares
-    /// add up to one.
+    /// For an error that is correlated over about a second: which part of it is kept, and which is replaced by a new one.
+    /// The squares add up to one.
     fn drift(&self) -> (S, S) {
         let kept = S::ONE / (S::ONE + self.elapsed_s.abs());
         (kept, ((S::ONE - kept) * (S::ONE + kept)).sqrt())
     }
 }
 
-/// An edge as the later frame has it.
-struct View<S> {
+/// An edge in the axes of the later frame, with what its derivatives need.
+struct Propagated<S> {
     line3: Line3<S>,
-    /// ρ P for the edge's point in the plane y = 0 of the earlier frame.
+    /// ρ P of the edge's point in the plane y = 0 of the earlier frame.
     foot: [S; 3],
     down: [S; 3],
-    /// How far along `down` the plane y = 0 of the later frame lies from there.
+    /// Distance along `down` from there to the plane y = 0 of the later frame.
     along: S,
-    /// Depth of the new point, in units of the old one's.
+    /// Depth of the new point in units of the depth of the old one.
     depth: S,
-    /// Of `down` along gravity.
+    /// Component of `down` along gravity.
     length: S,
 }
 
-impl<S: Scalar> View<S> {
+impl<S: Scalar> Propagated<S> {
     fn of(line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
         let from = [line3.bearing, S::ZERO, S::ONE];
         let foot = transition.turn(sub(from, scale(transition.pose.position_m, line3.inverse_depth)));
@@ -97,7 +97,7 @@ impl<S: Scalar> View<S> {
         Some(Self { line3, foot, down, along, depth, length })
     }
 
-    /// What small changes of `foot`, `down` and the old inverse depth do to the new bearing, inverse depth and tilt.
+    /// Change of the new bearing, inverse depth and tilt with small changes of `foot`, `down` and the old inverse depth.
     fn change(&self, foot: [S; 3], down: [S; 3], inverse_depth: S) -> [S; 3] {
         let ([_, y, _], [_, down_y, _], [_, dy, _]) = (foot, down, self.down);
         let along = (y - self.along * down_y) / dy;
@@ -117,10 +117,10 @@ impl<S: Scalar> View<S> {
         [[aa, ar, ab], [ra, rr, rb], [ba, br, bb]]
     }
 
-    /// What a unit error of a cause adds on the way.
-    fn change_of(&self, cause: SharedError, old: &Line3<S>, transition: &FrameTransition<S>) -> [S; 3] {
+    /// What a unit of a shared error adds on the way.
+    fn change_of(&self, error: SharedError, old: &Line3<S>, transition: &FrameTransition<S>) -> [S; 3] {
         let none = [S::ZERO; 3];
-        match cause {
+        match error {
             SharedError::Speed => {
                 let back = transition.turn(scale(transition.pose.position_m, -old.inverse_depth));
                 self.change(back, none, S::ZERO)
@@ -129,7 +129,7 @@ impl<S: Scalar> View<S> {
                 let angle = on_axis(axis, transition.elapsed_s);
                 self.change(cross(self.foot, angle), cross(self.down, angle), S::ZERO)
             }
-            // Of the rows of a frame alone.
+            // These act within a frame, not between frames.
             SharedError::Tilt | SharedError::Lens | SharedError::Readout | SharedError::Focal => none,
         }
     }

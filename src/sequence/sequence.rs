@@ -1,8 +1,8 @@
-//! [`Sequence`]: lines continued from frame to frame.
+//! [`Sequence`]: edges that are continued from frame to frame.
 
 use heapless::Vec;
 
-use super::landmark::{Claim, Landmark, LineObservation, is_informative};
+use super::landmark::{Landmark, LineObservation, Match, is_informative};
 use super::propagation::FrameTransition;
 use crate::error::ParameterError;
 use crate::line::Line;
@@ -12,23 +12,23 @@ use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
-/// The edges of earlier frames, at most `LANDMARKS`, each continued where a frame shows it again.
+/// The edges of earlier frames, at most `LANDMARKS`, each updated where a frame shows it again.
 ///
 /// A single frame cannot tell a leaning edge from a near one; in several, parallax grows and the lean repeats, so that
 /// a few frames of a moving camera make the tilt known and sigma falls accordingly. Each frame's knots enter the same least
-/// squares as in a single frame, with what the frames before have told as three more rows: memory does not grow with time.
+/// squares as in a single frame, with the earlier frames as three prior equations: memory does not grow with time.
 ///
-/// A line belongs to a landmark where it lies as the landmark predicts; the nearest pairs come first. What a setup states of
-/// speed and rotation is carried along as an error that is the same for all frames of about a second, which no number of
-/// frames averages out, and that drifts over longer times, so that sigma does not shrink for ever.
+/// A line is associated with the landmark that predicts it; the nearest pairs come first. The stated errors of speed and
+/// rotation are correlated over about a second, so that they do not average out over its frames, and drift over longer
+/// times; so sigma does not shrink for ever.
 ///
-/// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither: they keep
-/// what was known of them, and what comes into view there begins once it is clear.
+/// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither: both
+/// keep their earlier estimates, and a new edge there becomes a landmark once it stands clear.
 ///
 /// An object that moves at a constant velocity looks static at another distance as long as the camera's velocity is
-/// constant, too. Once speed or heading changes it is no longer where it should be: it is then
-/// [`Inconsistent`](crate::RangeStatus::Inconsistent), and until 30 frames in a row have agreed with a static edge again. An object
-/// that is by then more than three pixels and four sigma off its prediction is taken for another edge.
+/// constant, too. Once speed or heading changes, it is not where it should be: its status is then
+/// [`Moving`](crate::RangeStatus::Moving), until 30 frames in a row have agreed with a static edge again. An object that is
+/// more than three pixels and four sigma off its prediction is taken for another edge.
 ///
 /// *Memory*: 208 bytes for each landmark in `f32`, and 16.
 ///
@@ -64,11 +64,11 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     landmarks: Vec<Landmark<S>, LANDMARKS>,
     next_id: u32,
     dropped_lines: u32,
-    /// A frame has been taken since the last advance.
+    /// A frame has been taken since the last call of `advance`.
     has_frame: bool,
 }
 
-/// Frames in a row without an edge after which it is forgotten.
+/// A landmark that is missed in more frames in a row is forgotten.
 const MOST_MISSED: u16 = 30;
 
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
@@ -78,9 +78,9 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         Self { landmarks: Vec::new(), next_id: 0, dropped_lines: 0, has_frame: false }
     }
 
-    /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges over in no
-    /// particular order. To be called once a frame, after [`Ranger::end_frame`]; nobody else must take lines of that ranger, so
-    /// that its table needs room for all lines of a frame. Between two frames belongs an [`advance`](Self::advance): without it, the
+    /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges over in
+    /// no particular order. Call it once a frame, after [`Ranger::end_frame`]. Nobody else may take lines of that ranger, so
+    /// its table needs room for all lines of a frame. Call [`advance`](Self::advance) between two frames; without it, the
     /// edges of earlier frames are forgotten.
     ///
     /// *Cost*: for each line one fit as in [`Range::from_line`] or two, and three predictions for each landmark of its polarity.
@@ -91,14 +91,14 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         ranger: &mut Ranger<LINES, KNOTS, POINTS>,
         mut found: impl FnMut(Range<S>),
     ) {
-        self.assign(setup, motion, ranger.places(), |place| ranger.line_at(place));
+        self.associate(setup, motion, ranger.places(), |place| ranger.line_at(place));
         while let Some((place, line)) = ranger.next_placed_line() {
             found(self.continue_line(setup, motion, place, &line));
         }
         self.count_missed();
     }
 
-    /// The same for lines from elsewhere, whose ranges are handed over in their order: once a frame, all of it.
+    /// The same for lines from elsewhere, in their order. Call it once a frame, with all its lines.
     pub fn lines<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -106,16 +106,16 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         lines: &[Line<KNOTS>],
         mut found: impl FnMut(Range<S>),
     ) {
-        self.assign(setup, motion, 0..lines.len(), |place| lines.get(place));
+        self.associate(setup, motion, 0..lines.len(), |place| lines.get(place));
         for (place, line) in lines.iter().enumerate() {
             found(self.continue_line(setup, motion, place, line));
         }
         self.count_missed();
     }
 
-    /// Goes on to the next frame's start: `pose` of the camera there in the axes of this frame's start, the time in between, and
-    /// gravity in the camera's axes there, of any length. What is then beside or behind the camera is forgotten. To be called
-    /// between any two frames, also after a torn one.
+    /// Propagates to the next frame's start: the `pose` of the camera there in the axes of this frame's start, the time in
+    /// between, and gravity in the camera's axes there, of any length. What is then beside or behind the camera is
+    /// forgotten. Call it between any two frames, also after a torn one.
     ///
     /// *Errors*: a gravity without direction; nothing has changed then.
     ///
@@ -139,7 +139,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         Ok(())
     }
 
-    /// Forgets all edges: where nothing is known of the way to the next frame. Their names are not used again.
+    /// Forgets all edges, for when the motion to the next frame is not known. Their names are not used again.
     pub fn clear(&mut self) {
         self.landmarks.clear();
     }
@@ -150,57 +150,57 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.landmarks.len()
     }
 
-    /// Lines that could not be remembered for want of room; a line that is refused in each frame counts each time.
+    /// Lines for which there was no room; a line that is refused in each frame counts each time.
     #[must_use]
     pub const fn dropped_lines(&self) -> u32 {
         self.dropped_lines
     }
 
-    /// Gives each line to at most one landmark and each landmark at most one line: a landmark keeps the nearest of
-    /// those that ask for it, and a line that is turned down asks for the next.
-    fn assign<'l, M: Motion<S>, const KNOTS: usize>(
+    /// Associates each line with at most one landmark, and each landmark with at most one line: a landmark keeps the nearest
+    /// of the lines that are offered to it, and a line that is turned down is offered to the next one.
+    fn associate<'l, M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
         places: impl Iterator<Item = usize>,
         line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) {
-        // Nobody has said how the camera got here from the last frame.
+        // Nobody has said how the camera moved since the last frame.
         if self.has_frame {
             self.clear();
         }
         self.has_frame = true;
-        self.landmarks.iter_mut().for_each(|landmark| landmark.claim = None);
+        self.landmarks.iter_mut().for_each(|landmark| landmark.matched = None);
         for place in places {
             let mut asking = Some(place);
             while let Some(place) = asking {
                 let observation = line_at(place).and_then(|line| LineObservation::new(setup, motion, line));
-                asking = observation.and_then(|observation| self.claim(setup, place, &observation));
+                asking = observation.and_then(|observation| self.offer(setup, place, &observation));
             }
         }
     }
 
-    /// A landmark without a line in this frame is hidden, or gone.
+    /// A landmark without a line in this frame is hidden or gone.
     fn count_missed(&mut self) {
         for landmark in &mut self.landmarks {
-            landmark.missed = if landmark.claim.is_some() { 0 } else { landmark.missed.saturating_add(1) };
+            landmark.missed = if landmark.matched.is_some() { 0 } else { landmark.missed.saturating_add(1) };
         }
         self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
     }
 
-    /// Asks the landmark that a line lies nearest to, of those that would have it, and returns the line that is turned down
-    /// for it.
-    fn claim(&mut self, setup: &Setup<S>, place: usize, observation: &LineObservation<S>) -> Option<usize> {
-        let mut best: Option<(&mut Landmark<S>, Claim<S>)> = None;
+    /// Offers a line to the nearest landmark that prefers it to its present one, and returns the place of the line that is
+    /// turned down.
+    fn offer(&mut self, setup: &Setup<S>, place: usize, observation: &LineObservation<S>) -> Option<usize> {
+        let mut best: Option<(&mut Landmark<S>, Match<S>)> = None;
         for landmark in &mut self.landmarks {
-            let Some(claim) = landmark.claim_of(setup, place, observation) else { continue };
-            let nearer = |other: &Claim<S>| claim.distance < other.distance;
-            if landmark.claim.as_ref().is_none_or(nearer) && best.as_ref().is_none_or(|(_, best)| nearer(best)) {
-                best = Some((landmark, claim));
+            let Some(matched) = landmark.match_with(setup, place, observation) else { continue };
+            let nearer = |other: &Match<S>| matched.distance < other.distance;
+            if landmark.matched.as_ref().is_none_or(nearer) && best.as_ref().is_none_or(|(_, best)| nearer(best)) {
+                best = Some((landmark, matched));
             }
         }
-        let (landmark, claim) = best?;
-        landmark.claim.replace(claim).map(|before| before.place)
+        let (landmark, matched) = best?;
+        landmark.matched.replace(matched).map(|before| before.place)
     }
 
     fn continue_line<M: Motion<S>, const KNOTS: usize>(
@@ -210,16 +210,16 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         place: usize,
         line: &Line<KNOTS>,
     ) -> Range<S> {
-        let is_claimed = |landmark: &Landmark<S>| landmark.claim.is_some_and(|claim| claim.place == place);
-        let Some(index) = self.landmarks.iter().position(is_claimed) else {
+        let has_line = |landmark: &Landmark<S>| landmark.matched.is_some_and(|matched| matched.place == place);
+        let Some(index) = self.landmarks.iter().position(has_line) else {
             return self.begin(setup, motion, line);
         };
         let observation = LineObservation::new(setup, motion, line);
         let others = self.landmarks.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
         let state = self.landmarks.get(index).map(|landmark| landmark.state);
-        let is_mixed = is_mixed(observation.as_ref(), state.as_ref(), others);
+        let blends = blends(observation.as_ref(), state.as_ref(), others);
         let Some(landmark) = self.landmarks.get_mut(index) else { return Range::from_line(setup, motion, line) };
-        let range = if is_mixed {
+        let range = if blends {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
             landmark.update(setup, motion, line)
@@ -235,22 +235,22 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let (range, state) = Range::continued(setup, motion, line, None);
-        // An edge of which only the bearing is known tells nothing of where it will be.
+        // A bearing alone does not predict where the edge will be.
         let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
         let Some(state) = state.filter(|_| is_informative(range.status) && has_depth) else { return range };
-        // What comes into view beside an edge is often half hidden by it, and would begin with a wrong column.
+        // What comes into view beside an edge is often half hidden by it, and would start with a wrong column.
         let observation = LineObservation::new(setup, motion, line);
-        let is_beside =
-            |landmark: &Landmark<S>| observation.as_ref().is_some_and(|observation| landmark.is_beside(observation));
-        if self.landmarks.iter().any(|landmark| landmark.frames > 1 && landmark.claim.is_some() && is_beside(landmark))
+        let is_near =
+            |landmark: &Landmark<S>| observation.as_ref().is_some_and(|observation| landmark.is_near(observation));
+        if self.landmarks.iter().any(|landmark| landmark.frames > 1 && landmark.matched.is_some() && is_near(landmark))
         {
             return range;
         }
         let id = self.next_id;
-        // Whatever the place, it is not a line that is still to be taken.
-        let claim = Some(Claim { place: usize::MAX, distance: S::ZERO, has_moved: false });
+        // No line that is still to be taken has this place.
+        let matched = Some(Match { place: usize::MAX, distance: S::ZERO, has_moved: false });
         let (polarity, frames, missed, hold_off) = (line.first().polarity, 1, 0, 0);
-        let landmark = Landmark { id, polarity, frames, missed, hold_off, claim, state };
+        let landmark = Landmark { id, polarity, frames, missed, hold_off, matched, state };
         if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
@@ -259,10 +259,10 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         Range { line_id: Some(id), ..range }
     }
 
-    /// The table is full: puts a newcomer in the place of the edge that has not been seen for longest. One that this frame
-    /// shows is never lost; without any other, the newcomer is refused.
+    /// The table is full: replaces the landmark that has not been seen for longest. One that this frame shows is never
+    /// replaced; if all are shown, the new one is refused.
     fn replace_unseen(&mut self, newcomer: Landmark<S>) -> Result<(), Landmark<S>> {
-        let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.claim.is_none());
+        let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.matched.is_none());
         match unseen.max_by_key(|landmark| landmark.missed) {
             Some(place) => {
                 *place = newcomer;
@@ -273,15 +273,15 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     }
 }
 
-/// Whether an edge lies so near to one at another depth that the two blend: their columns are then those of neither.
-fn is_mixed<'l, S: Scalar + 'l>(
+/// Whether an edge is so near to one at another depth that the two blend: the columns are then those of neither.
+fn blends<'l, S: Scalar + 'l>(
     observation: Option<&LineObservation<S>>,
     state: Option<&LineState<S>>,
     mut others: impl Iterator<Item = &'l Landmark<S>>,
 ) -> bool {
     match (observation, state) {
         (Some(observation), Some(state)) => {
-            others.any(|other| other.is_beside(observation) && other.state.is_apart(state))
+            others.any(|other| other.is_near(observation) && other.state.is_apart(state))
         }
         _ => false,
     }

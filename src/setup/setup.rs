@@ -77,7 +77,7 @@ impl<S: Scalar> Setup<S> {
     }
 
     /// The same with a known exposure: edges whose blur contradicts their slope are then
-    /// [`Inconsistent`](crate::RangeStatus::Inconsistent).
+    /// [`Leaning`](crate::RangeStatus::Leaning).
     ///
     /// *Errors*: an exposure or a blur that is negative, not finite, or beyond 60 s and 1000 px.
     pub fn with_motion_blur(self, motion_blur: MotionBlur<S>) -> Result<Self, ParameterError> {

@@ -2,6 +2,6 @@
 
 pub(crate) mod table2;
 pub(crate) mod edges;
-pub(crate) mod frames;
+pub(crate) mod frame;
 pub(crate) mod simulate;
 pub(crate) mod sensors;

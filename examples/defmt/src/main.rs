@@ -6,8 +6,7 @@ use cortex_m as _; // the critical section that the logger takes
 use defmt_semihosting as _; // the logger
 use semihosting as _; // the panic handler: message on stderr, exit code 101
 
-use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, Limits, ParameterError, Ranger, Readout, Setup, Twist, Uncertainty, Sigmas};
+use shutter_range::{EdgePoint, ParameterError, Ranger, Setup, Sigmas, Twist};
 
 /// A post of 2.5 m, passed at 1.5 m/s, in a QVGA frame; the second edge lies behind the horizon of what can be told.
 fn run() -> Result<(), ParameterError> {
