@@ -24,6 +24,7 @@ mod scenes;
 mod sensor_bus;
 mod sensor_chips;
 mod sensor_faults;
+mod sensor_images;
 mod sensor_modes;
 mod sensor_setup;
 mod sensor_transactions;

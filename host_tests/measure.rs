@@ -293,7 +293,11 @@ proptest! {
 
     /// Whatever comes in, nothing overflows and no sigma is zero.
     #[test]
-    fn any_stamps_at_all(bits in 8..=32_u8, stamps in prop::collection::vec(any::<u32>(), 0..200), expected: Option<u32>) {
+    fn any_stamps_at_all(
+        bits in 8..=32_u8,
+        stamps in prop::collection::vec(any::<u32>(), 0..200),
+        expected: Option<u32>,
+    ) {
         let mut meter = PeriodMeter::new(Timer::new(bits, 1_000_000).expect("sound"));
         if let Some(expected) = expected.filter(|expected| *expected > 0) {
             meter = meter.expecting_ps(u64::from(expected) * 1_000_000).expect("sound");

@@ -59,6 +59,7 @@ pub(crate) struct FakeSensor {
     pub(crate) log: Vec<Step>,
     pub(crate) steps: usize,
     pub(crate) fails_at: Option<usize>,
+    noise: Option<u64>,
     page: u16,
     pointer: u16,
 }
@@ -73,6 +74,7 @@ impl FakeSensor {
             log: Vec::new(),
             steps: 0,
             fails_at: None,
+            noise: None,
             page: 0,
             pointer: 0,
         };
@@ -103,13 +105,24 @@ impl FakeSensor {
         self.page
     }
 
+    /// Registers that were never set hold what follows from a seed.
+    pub(crate) fn with_noise(mut self, seed: u64) -> Self {
+        self.noise = Some(seed);
+        self
+    }
+
     pub(crate) fn failing_at(mut self, step: usize) -> Self {
         self.fails_at = Some(step);
         self
     }
 
     pub(crate) fn value(&self, page: u16, address: u16) -> u16 {
-        self.registers.get(&(page, address)).copied().unwrap_or(0)
+        let noise = |seed: u64| {
+            let mixed = (seed ^ u64::from(page) << 32 ^ u64::from(address)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            (mixed ^ mixed >> 29) as u16
+        };
+        let unset = self.noise.map_or(0, noise);
+        self.registers.get(&(page, address)).copied().unwrap_or(unset)
     }
 
     fn point(&mut self, bytes: &[u8]) -> usize {

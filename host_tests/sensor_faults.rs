@@ -1,8 +1,10 @@
 //! What can go wrong on the bus and in the registers, and what the driver may write.
 
+use proptest::prelude::*;
 use shutter_range::ParameterError;
 use shutter_range::sensor::{Chip, Evidence, Sensor, SensorError};
 
+use crate::scenes::seeded;
 use crate::sensor_bus::{FakeSensor, Fault, SCCB, Step};
 use crate::sensor_chips::CASES;
 
@@ -218,6 +220,17 @@ fn a_frame_length_is_set_and_read_back_and_nothing_else_changes() {
     }
 }
 
+/// OpenMV reads 324 rows with 265 lines in a frame: the chip makes them more, and a new length is that length.
+#[test]
+fn a_frame_that_was_set_too_short_is_as_long_as_its_rows() {
+    let (fake, chip, clock_hz) = sensor_of("HM01B0, QVGA");
+    let mut fake = fake.with(&[(0x3010, 0x00), (0x0340, 0x01), (0x0341, 0x09)]);
+    let mut sensor = Sensor::new(&mut fake, chip, clock_hz).expect("an HM01B0");
+    assert_eq!(sensor.mode().expect("sound").frame_lines, 324);
+    sensor.set_frame_lines(400).expect("long enough");
+    assert_eq!(sensor.mode().expect("sound").frame_lines, 400);
+}
+
 #[test]
 fn bits_beside_a_setting_stay_as_they_are() {
     let (mut fake, chip, clock_hz) = sensor_of("OV2640, UXGA");
@@ -264,4 +277,39 @@ fn the_bus_comes_back() {
     let (mut fake, chip, clock_hz) = sensor_of("HM01B0, QVGA");
     let bus = Sensor::new(&mut fake, chip, clock_hz).expect("there").release();
     assert_eq!(bus.steps, 2);
+}
+
+proptest! {
+    #![proptest_config(seeded(512))]
+
+    /// Whatever the registers hold: a mode with sound numbers, or an error that names one of the chip's registers.
+    #[test]
+    fn any_registers_at_all(index in 0..CASES.len(), seed: u64, kept in 0..64_usize) {
+        let case = &CASES[index];
+        // The identity, and some of the driver's values, so that not always the first register is wrong.
+        let whole = (case.sensor)();
+        let mut fake = FakeSensor::new(whole.at, whole.wiring, &[]).with_noise(seed);
+        let identity = if case.chip == Chip::Ov2640 { 1 } else { 0 };
+        for (place, (&(page, address), &value)) in whole.registers.iter().enumerate() {
+            let at_identity = matches!(address, 0x00..=0x01 | 0x0a..=0x0b | 0x1c..=0x1d | 0xf0..=0xf1 | 0x300a..=0x300b);
+            let is_identity = page == identity && at_identity;
+            if is_identity || (seed >> (place % 64)) & 1 == 0 || place < kept {
+                fake = fake.with_page(page, &[(address, value)]);
+            }
+        }
+        let mut sensor = Sensor::new(&mut fake, case.chip, case.clock_hz).expect(case.name);
+        match sensor.mode() {
+            Ok(mode) => {
+                prop_assert!(mode.rows() > 0 && mode.columns > 0 && mode.lines > 0, "{mode:?}");
+                prop_assert!(mode.sensor_line_time_ps > 0 && mode.sigma_ppm >= 1_000, "{mode:?}");
+                let _ = sensor.set_exposure_lines(seed as u16);
+                let _ = sensor.set_frame_lines(seed as u32);
+            }
+            Err(SensorError::Register { register, .. }) => {
+                prop_assert!(case.chip.registers().any(|known| known == register), "{}", register.name);
+            }
+            Err(SensorError::Parameter(error)) => prop_assert_eq!(error.parameter, "line_time_ps"),
+            Err(other) => prop_assert!(false, "{other}"),
+        }
+    }
 }

@@ -1,4 +1,5 @@
-//! The table of typical modes: computed, in the documentation as in the code, and of the very registers that a chip reads.
+//! The table of typical modes: computed, in the documentation as in the code, and of the very registers that a chip
+//! reads.
 
 use std::fmt::Write;
 

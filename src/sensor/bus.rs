@@ -6,8 +6,8 @@ use super::description::{Protocol, ReadRegister};
 use super::error::SensorError;
 use super::register::{Part, Register};
 
-/// A chip that is being spoken to. Whoever begins one must [`end`](Self::end) it: other drivers rely on the page that they
-/// selected.
+/// A chip that is being spoken to. Whoever begins one must [`end`](Self::end) it: other drivers rely on the page that
+/// they selected.
 pub(super) struct Session<'a, I2C> {
     i2c: &'a mut I2C,
     address: u8,

@@ -27,6 +27,15 @@ pub(super) struct Setting {
     pub(super) shift: u32,
 }
 
+/// Where the length of a frame is set.
+#[derive(Debug)]
+pub(super) enum FrameSetting {
+    /// All lines of the frame.
+    Whole(&'static Register),
+    /// Lines beside those that the chip reads anyway.
+    Further(&'static Register),
+}
+
 /// What is known of a chip beside its formula.
 #[derive(Debug)]
 pub(super) struct Description {
@@ -42,8 +51,7 @@ pub(super) struct Description {
     pub(super) manual_exposure: (&'static Register, u32),
     /// An exposure must be so many lines shorter than the frame.
     pub(super) exposure_margin_lines: u32,
-    /// One more here is one line more in a frame.
-    pub(super) frame: &'static Register,
+    pub(super) frame: FrameSetting,
     /// What makes new values count, in chips that wait for it.
     pub(super) commit: Option<(&'static Register, u32)>,
 }

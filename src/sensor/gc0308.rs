@@ -1,12 +1,13 @@
 //! GC0308.
 //!
-//! A line is the window's columns with blanking, two clocks each; the formula is that of Linux, whose settings give 28.8 frames a
-//! second of the 30 that the data sheet has at most: [`Evidence::Described`]. A long exposure lengthens the frame, in a way that
-//! Linux's author could not make out.
+//! A line is the window's columns with blanking, two clocks each; the formula is that of Linux, whose settings give
+//! 28.8 frames a second of the 30 that the data sheet has at most: [`Evidence::Described`]. A long exposure lengthens
+//! the frame, in a way that Linux's author could not make out.
 //!
-//! *Open*: esp32-camera reads the exposure's two bytes as twelve bits further up; here they are taken as Linux takes them.
+//! *Open*: esp32-camera reads the exposure's two bytes as twelve bits further up; here they are taken as Linux takes
+//! them.
 
-use super::description::{Description, Protocol, ReadRegister, SCCB, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, SCCB, Setting};
 use super::error::SensorError;
 use super::galaxycore::subsampling;
 use super::mode::{Clock, Evidence, Timing};
@@ -47,7 +48,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &ROW_BLANKING,
+    frame: FrameSetting::Further(&ROW_BLANKING),
     commit: None,
 };
 

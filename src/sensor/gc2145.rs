@@ -1,13 +1,13 @@
 //! GC2145.
 //!
-//! A line is half the window's columns with blanking, at a quarter of the board's clock times a multiplier; a frame is the
-//! window's rows with blanking and 16 more. The formula was made for Linux's three modes, and gives the 20, 30 and 29 frames a
-//! second that they are meant for.
+//! A line is half the window's columns with blanking, at a quarter of the board's clock times a multiplier; a frame
+//! is the window's rows with blanking and 16 more. The formula was made for Linux's three modes, and gives the 20, 30
+//! and 29 frames a second that they are meant for.
 //!
-//! A subsampler keeps some lines of every few, and a scaler may halve before it: then rows of the image take several lines,
-//! by the lists of the lines that are kept ([`Evidence::Described`]).
+//! A subsampler keeps some lines of every few, and a scaler may halve before it: then rows of the image take several
+//! lines, by the lists of the lines that are kept ([`Evidence::Described`]).
 
-use super::description::{Description, Protocol, ReadRegister, SCCB, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, SCCB, Setting};
 use super::error::SensorError;
 use super::galaxycore::subsampling;
 use super::mode::{Clock, Evidence, Timing};
@@ -48,7 +48,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &ROW_BLANKING,
+    frame: FrameSetting::Further(&ROW_BLANKING),
     commit: None,
 };
 

@@ -1,17 +1,17 @@
 //! HM01B0.
 //!
-//! Lines and frames are as their registers say; with binning each line averages two rows. 59.9 frames a second were seen on
-//! hardware for 376 × 266 at 6 MHz, and users of SparkFun's board find 120 a second at most for the binned mode, as the formula
-//! has it for OpenMV's 376 × 132.
+//! Lines and frames are as their registers say; with binning each line averages two rows. 59.9 frames a second were
+//! seen on hardware for 376 × 266 at 6 MHz, and users of SparkFun's board find 120 a second at most for the binned
+//! mode, as the formula has it for OpenMV's 376 × 132.
 //!
 //! A frame that is set shorter than its rows need is longer than that: 324 rows with 265 lines, as OpenMV sets them.
-//! *Open*: by how much it then is, and the frequency of the sensor's own oscillator: [`Evidence::Described`] where it runs on
-//! that, for the frequency that is given.
+//! *Open*: by how much it then is, and the frequency of the sensor's own oscillator: [`Evidence::Described`] where it
+//! runs on that, for the frequency that is given.
 
-use super::description::{Description, Protocol, ReadRegister, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
-use super::register::registers;
+use super::register::{Register, registers};
 
 registers! {
     MODEL = "MODEL_ID": 0x0000, 0x0001 => "model: 0x01b0";
@@ -38,7 +38,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &FRAME_LINES,
+    frame: FrameSetting::Whole(&FRAME_LINES),
     commit: Some((&COMMIT, 1)),
 };
 
@@ -70,10 +70,7 @@ pub(super) fn timing<R: ReadRegister>(r: &mut R, clock_hz: u32) -> Result<Timing
 }
 
 /// How often rows or columns are halved.
-fn step<R: ReadRegister>(
-    r: &mut R,
-    register: &'static super::register::Register,
-) -> Result<u32, SensorError<R::BusError>> {
+fn step<R: ReadRegister>(r: &mut R, register: &'static Register) -> Result<u32, SensorError<R::BusError>> {
     match r.read(register)? {
         1 => Ok(0),
         3 => Ok(1),

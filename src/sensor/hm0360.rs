@@ -1,12 +1,13 @@
 //! HM0360.
 //!
-//! Lines and frames are as their registers say, the clock is the board's over a power of two: Zephyr's settings then give 58.7
-//! frames a second in VGA at 24 MHz, where it speaks of 60.
+//! Lines and frames are as their registers say, the clock is the board's over a power of two: Zephyr's settings then
+//! give 58.7 frames a second in VGA at 24 MHz, where it speaks of 60.
 //!
-//! *Open*: nobody measured it: [`Evidence::Described`]. Without WIN_MODE there are 16 more rows by the size of the array, which no driver says. A context switch reads
-//! the timing from another set of registers that no source describes: refused.
+//! *Open*: nobody measured it: [`Evidence::Described`]. Without WIN_MODE there are 16 more rows by the size of the
+//! array, which no driver says. A context switch reads the timing from another set of registers that no source
+//! describes: refused.
 
-use super::description::{Description, Protocol, ReadRegister, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
 use super::register::{Register, registers};
@@ -36,7 +37,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 4,
-    frame: &FRAME_LINES,
+    frame: FrameSetting::Whole(&FRAME_LINES),
     commit: Some((&COMMIT, 1)),
 };
 

@@ -184,7 +184,8 @@ impl Mode {
         u64::try_from((ps + 500) / 1000).unwrap_or(u64::MAX)
     }
 
-    /// How well the line time is known: what [`Uncertainty::sigma_readout`](crate::Uncertainty::sigma_readout) asks for.
+    /// How well the line time is known: what [`Uncertainty::sigma_readout`](crate::Uncertainty::sigma_readout) asks
+    /// for.
     #[must_use]
     pub fn sigma<S: Scalar>(&self) -> S {
         S::from_ratio(self.sigma_ppm.into(), 1_000_000)

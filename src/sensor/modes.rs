@@ -22,7 +22,10 @@ pub fn typical_modes() -> &'static [TypicalMode] {
 
 /// A line of the table.
 macro_rules! mode {
-    ($chip:ident, $name:literal, $mhz:literal, $kind:ident, $source:literal, $($module:ident { $($register:ident = $value:expr),+ $(,)? }),+) => {
+    (
+        $chip:ident, $name:literal, $mhz:literal, $kind:ident, $source:literal,
+        $($module:ident { $($register:ident = $value:expr),+ $(,)? }),+
+    ) => {
         TypicalMode {
             chip: Chip::$chip,
             name: $name,

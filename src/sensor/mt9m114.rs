@@ -1,11 +1,11 @@
 //! MT9M114.
 //!
-//! The sensor's own registers say line and frame as they are, the firmware's variables as they were asked for: the former are
-//! read. The clock follows from the PLL (Linux's tree, and OpenMV's 48 and 45 MHz from 24 and 25); Linux's 30 frames a second
-//! follow from it. Where the firmware was told another clock than the PLL gives, one of the two is wrong:
-//! [`Evidence::Described`].
+//! The sensor's own registers say line and frame as they are, the firmware's variables as they were asked for: the
+//! former are read. The clock follows from the PLL (Linux's tree, and OpenMV's 48 and 45 MHz from 24 and 25); Linux's
+//! 30 frames a second follow from it. Where the firmware was told another clock than the PLL gives, one of the two is
+//! wrong: [`Evidence::Described`].
 
-use super::description::{Description, Protocol, ReadRegister, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
 use super::register::registers;
@@ -19,11 +19,11 @@ registers! {
     FIRST_ROW = "CAM_SENSOR_CFG_Y_ADDR_START": 0xc800 / 0xffff => "first row of the window";
     FIRST_COLUMN = "CAM_SENSOR_CFG_X_ADDR_START": 0xc802 / 0xffff => "first column of the window";
     LAST_ROW = "CAM_SENSOR_CFG_Y_ADDR_END": 0xc804 / 0xffff => "last row of the window";
-    STATED_CLOCK = "CAM_SENSOR_CFG_PIXCLK": 0xc808 / 0xffff, 0xc80a / 0xffff => "the clock that the firmware was told, in Hz";
+    STATED_CLOCK = "CAM_SENSOR_CFG_PIXCLK": 0xc808 / 0xffff, 0xc80a / 0xffff => "clock as the firmware was told, Hz";
     MIRROR = "CAM_SENSOR_CONTROL_READ_MODE[0]": 0xc834 / 0x0001 => "mirror left to right";
     FLIP = "CAM_SENSOR_CONTROL_READ_MODE[1]": 0xc834 / 0x0002 => "upside down";
-    COLUMN_BINNING = "CAM_SENSOR_CONTROL_READ_MODE[5:4]": 0xc834 / 0x0030 => "0: every column, else skipped or binned by two";
-    ROW_BINNING = "CAM_SENSOR_CONTROL_READ_MODE[9:8]": 0xc834 / 0x0300 => "0: every row, else skipped or binned by two";
+    COLUMN_BINNING = "CAM_SENSOR_CONTROL_READ_MODE[5:4]": 0xc834 / 0x0030 => "0: every column, else one of two";
+    ROW_BINNING = "CAM_SENSOR_CONTROL_READ_MODE[9:8]": 0xc834 / 0x0300 => "0: every row, else one of two";
     CROP_FIRST_COLUMN = "CAM_CROP_WINDOW_XOFFSET": 0xc854 / 0xffff => "columns left out before the cut image";
     CROP_FIRST_ROW = "CAM_CROP_WINDOW_YOFFSET": 0xc856 / 0xffff => "lines left out before the cut image";
     CROP_COLUMNS = "CAM_CROP_WINDOW_WIDTH": 0xc858 / 0xffff => "columns that are scaled to the image";
@@ -44,7 +44,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &FRAME_LINES,
+    frame: FrameSetting::Whole(&FRAME_LINES),
     commit: None,
 };
 

@@ -1,13 +1,13 @@
 //! What OV3660 and OV5640 have in common: all but the clock.
 //!
-//! A line takes HTS clocks of the sensor's core, a frame VTS lines. The window is read with every row or, by the vertical
-//! increments, with every second or fourth one; each line that is read takes one line time, also where it is the mean of two
-//! rows. What is left within the offsets goes to a scaler, or is cut to the image where that is off.
+//! A line takes HTS clocks of the sensor's core, a frame VTS lines. The window is read with every row or, by the
+//! vertical increments, with every second or fourth one; each line that is read takes one line time, also where it is
+//! the mean of two rows. What is left within the offsets goes to a scaler, or is cut to the image where that is off.
 
-use super::description::{Description, Protocol, ReadRegister, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
-use super::register::registers;
+use super::register::{Register, registers};
 
 registers! {
     PRODUCT = "CHIP_ID": 0x300a, 0x300b => "product: 0x3660 or 0x5640";
@@ -39,7 +39,7 @@ pub(super) const DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 4 },
     manual_exposure: (&MANUAL_EXPOSURE, 1),
     exposure_margin_lines: 4,
-    frame: &FRAME_LINES,
+    frame: FrameSetting::Whole(&FRAME_LINES),
     commit: None,
 };
 
@@ -83,8 +83,6 @@ pub(super) fn timing<R: ReadRegister>(
         evidence,
     })
 }
-
-type Register = super::register::Register;
 
 /// First pixel, number of pixels, and offset.
 fn side<R: ReadRegister>(

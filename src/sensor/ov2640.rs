@@ -1,14 +1,15 @@
 //! OV2640.
 //!
-//! The sensor runs as UXGA, SVGA (every second row) or CIF (every fourth); a scaler behind it makes the image. Lines are 1922,
-//! 1190 and 2 × 595 clocks, frames 1248, 672 and 336 lines. The clock is the board's, half as much again in UXGA. That agrees
-//! with the data sheet's 15, 30 and 60 frames a second at 24 MHz and with what users of esp32-camera measured in CIF.
+//! The sensor runs as UXGA, SVGA (every second row) or CIF (every fourth); a scaler behind it makes the image. Lines
+//! are 1922, 1190 and 2 × 595 clocks, frames 1248, 672 and 336 lines. The clock is the board's, half as much again in
+//! UXGA. That agrees with the data sheet's 15, 30 and 60 frames a second at 24 MHz and with what users of
+//! esp32-camera measured in CIF.
 //!
-//! *Open*: CLKRC bit 7 doubles the clock by the data sheet and by esp32-camera's use of it, but two measurements with 0x83
-//! and 0x80 show no doubling: [`Evidence::Disputed`]. Further clocks in a line count one by an application note and two by
-//! hearsay: [`Evidence::Described`] where there are any.
+//! *Open*: CLKRC bit 7 doubles the clock by the data sheet and by esp32-camera's use of it, but two measurements with
+//! 0x83 and 0x80 show no doubling: [`Evidence::Disputed`]. Further clocks in a line count one by an application note
+//! and two by hearsay: [`Evidence::Described`] where there are any.
 
-use super::description::{Description, Protocol, ReadRegister, SCCB, Setting};
+use super::description::{Description, FrameSetting, Protocol, ReadRegister, SCCB, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
 use super::register::registers;
@@ -46,7 +47,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &FRAME_LINES,
+    frame: FrameSetting::Further(&FRAME_LINES),
     commit: None,
 };
 

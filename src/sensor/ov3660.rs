@@ -1,7 +1,7 @@
 //! OV3660.
 //!
-//! The clock is that of esp32-camera's own calculation, which it states with the frame rates it gives: 4.44 a second at 8 MHz and
-//! 17.77 at 32 MHz, both as the formula has it.
+//! The clock is that of esp32-camera's own calculation, which it states with the frame rates it gives: 4.44 a second
+//! at 8 MHz and 17.77 at 32 MHz, both as the formula has it.
 
 use super::description::{Description, ReadRegister};
 use super::error::SensorError;

@@ -1,7 +1,7 @@
 //! OV5640.
 //!
-//! The clock is that of Linux, OpenMV and esp32-camera, which agree. Linux's frame rates follow from it, and a measurement at
-//! Adafruit's driver (7.6 frames a second where it gives 7.9).
+//! The clock is that of Linux, OpenMV and esp32-camera, which agree. Linux's frame rates follow from it, and a
+//! measurement at Adafruit's driver (7.6 frames a second where it gives 7.9).
 //!
 //! *Open*: without the PLL, where the root divider stands: [`Evidence::Disputed`].
 

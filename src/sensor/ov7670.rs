@@ -2,14 +2,14 @@
 //!
 //! A line is 784 pixel periods, a frame 510 lines, in every resolution; scaling leaves out rows of what was read.
 //!
-//! *Open*: with CLKRC bit 7 clear and a divider above zero, two drivers divide by n + 1 (Linux for the OV7675, Adafruit),
-//! the implementation guide by 2(n + 1): [`Evidence::Disputed`]. With bit 7 set it divides by n + 1 (a measurement in
-//! Arduino's forum: 13.7 and 0.43 frames a second at 11 MHz with n = 0 and 31), and n = 0 without it halves (an oscilloscope
-//! at Linux, 30 frames a second at 12 MHz × 4 in esp32-camera). Raw Bayer takes one clock a pixel by two drivers, and half as
-//! many lines a second by the guide of its elder sister. Where scaling is not set by hand, rows follow the pixel clock's
-//! divider as columns do.
+//! *Open*: with CLKRC bit 7 clear and a divider above zero, two drivers divide by n + 1 (Linux for the OV7675,
+//! Adafruit), the implementation guide by 2(n + 1): [`Evidence::Disputed`]. With bit 7 set it divides by n + 1 (a
+//! measurement in Arduino's forum: 13.7 and 0.43 frames a second at 11 MHz with n = 0 and 31), and n = 0 without it
+//! halves (an oscilloscope at Linux, 30 frames a second at 12 MHz × 4 in esp32-camera). Raw Bayer takes one clock a
+//! pixel by two drivers, and half as many lines a second by the guide of its elder sister. Where scaling is not set
+//! by hand, rows follow the pixel clock's divider as columns do.
 
-use super::description::{Description, ReadRegister, SCCB, Setting};
+use super::description::{Description, FrameSetting, ReadRegister, SCCB, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
 use super::register::registers;
@@ -19,7 +19,7 @@ registers! {
     MAKER = "MIDH, MIDL": 0x1c, 0x1d => "maker: 0x7fa2, OmniVision";
     CLOCK = "CLKRC": 0x11 => "[7] divider without a further halving, [6] no divider, [5:0] divider less one";
     PLL = "DBLV[7:6]": 0x6b / 0xc0 => "PLL: none, x4, x6, x8";
-    FORMAT = "COM7": 0x12 => "[5:3] preset: VGA 0, QCIF 1, QVGA 2, CIF 4; [2], [0]: YUV 0/0, RGB 1/0, Bayer 0/1, processed Bayer 1/1";
+    FORMAT = "COM7": 0x12 => "[5:3] preset: VGA 0, QCIF 1, QVGA 2, CIF 4; [2] RGB, [0] Bayer";
     DUMMY_PIXELS = "EXHCH[7:4], EXHCL": 0x2a / 0xf0, 0x2b => "pixel periods beside 784 in a line";
     DUMMY_LINES = "ADVFH, ADVFL": 0x2e, 0x2d => "lines beside 510 in a frame";
     NIGHT_LINES = "DM_LNH, DM_LNL": 0x93, 0x92 => "further lines in a frame";
@@ -46,7 +46,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &DUMMY_LINES,
+    frame: FrameSetting::Further(&DUMMY_LINES),
     commit: None,
 };
 

@@ -1,12 +1,12 @@
 //! OV7725 and OV7720.
 //!
-//! A line is 784 pixel periods of two clocks and a frame 510 lines, or 576 and 278 in QVGA, where the sensor skips. Both agree
-//! with the frame rates that OpenMV states for its cameras (60 and 150 a second at 48 MHz).
+//! A line is 784 pixel periods of two clocks and a frame 510 lines, or 576 and 278 in QVGA, where the sensor skips.
+//! Both agree with the frame rates that OpenMV states for its cameras (60 and 150 a second at 48 MHz).
 //!
-//! *Open*: Linux writes 748 for 784, against the data sheet's 30 frames a second at 24 MHz: taken for a slip. Bayer formats
-//! take one clock a pixel by OpenMV alone: [`Evidence::Described`].
+//! *Open*: Linux writes 748 for 784, against the data sheet's 30 frames a second at 24 MHz: taken for a slip. Bayer
+//! formats take one clock a pixel by OpenMV alone: [`Evidence::Described`].
 
-use super::description::{Description, ReadRegister, SCCB, Setting};
+use super::description::{Description, FrameSetting, ReadRegister, SCCB, Setting};
 use super::error::SensorError;
 use super::mode::{Clock, Evidence, Timing};
 use super::ov7670::pll_multiplier;
@@ -43,7 +43,7 @@ pub(super) static DESCRIPTION: Description = Description {
     exposure: Setting { register: &EXPOSURE, shift: 0 },
     manual_exposure: (&AUTOMATIC_EXPOSURE, 0),
     exposure_margin_lines: 2,
-    frame: &DUMMY_LINES,
+    frame: FrameSetting::Further(&DUMMY_LINES),
     commit: None,
 };
 

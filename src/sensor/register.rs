@@ -69,14 +69,17 @@ impl Display for Register {
     }
 }
 
-/// A chip's table: `NAME = "data sheet's name" [page]: address / mask, … => "meaning";` with page 0 and a mask of eight bits
-/// where none is given. It makes a `static` for each line, and `REGISTERS` of all of them.
+/// A chip's table: `NAME = "data sheet's name" [page]: address / mask, … => "meaning";` with page 0 and a mask of
+/// eight bits where none is given. It makes a `static` for each line, and `REGISTERS` of all of them.
 macro_rules! registers {
     (@mask) => { 0xff };
     (@mask $mask:literal) => { $mask };
     (@page) => { 0 };
     (@page $page:literal) => { $page };
-    ($($name:ident = $label:literal $([$page:literal])? : $($address:literal $(/ $mask:literal)?),+ => $meaning:literal;)+) => {
+    ($(
+        $name:ident = $label:literal $([$page:literal])? :
+            $($address:literal $(/ $mask:literal)?),+ => $meaning:literal;
+    )+) => {
         $(pub(super) static $name: $crate::sensor::register::Register = $crate::sensor::register::Register {
             name: $label,
             meaning: $meaning,

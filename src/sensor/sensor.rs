@@ -4,7 +4,7 @@ use embedded_hal::i2c::{Error, ErrorKind, I2c};
 
 use super::bus::Session;
 use super::chip::Chip;
-use super::description::ReadRegister;
+use super::description::{FrameSetting, ReadRegister};
 use super::error::SensorError;
 use super::mode::Mode;
 use crate::error::ParameterError;
@@ -14,8 +14,8 @@ use crate::error::ParameterError;
 /// It reads what is set, and sets nothing but exposure and frame length when asked to. It uses the bus only within its
 /// methods: give it `&mut i2c`, or a handle of a shared bus, and initialise and stream with your own driver.
 ///
-/// *Cost*: 20 to 40 registers of a few bytes each: about 3 ms at 400 kHz. Ask when the mode has changed, not for each
-/// frame.
+/// *Cost*: [`mode`](Self::mode) reads 14 to 39 bytes or words, each with its address: 1 to 4 ms at 400 kHz. Ask when
+/// the mode has changed, not for each frame.
 #[derive(Debug)]
 pub struct Sensor<I2C> {
     i2c: I2C,
@@ -42,8 +42,8 @@ impl<I2C: I2c> Sensor<I2C> {
 
     /// Whichever of the known chips answers.
     ///
-    /// It reads the identity of each at each of its addresses; to a chip that is none of them, but shares an address with
-    /// one, it may write a page number. Where the chip is known, say so with [`new`](Self::new).
+    /// It reads the identity of each at each of its addresses; to a chip that is none of them, but shares an address
+    /// with one, it may write a page number. Where the chip is known, say so with [`new`](Self::new).
     ///
     /// *Errors*: the bus's own, unless it says that nobody answers; [`SensorError::NotFound`].
     pub fn find(mut i2c: I2C, clock_hz: u32) -> Result<Self, SensorError<I2C::Error>> {
@@ -115,15 +115,16 @@ impl<I2C: I2c> Sensor<I2C> {
         let mode = self.mode()?;
         let description = self.chip.description();
         self.session(|session| {
-            let now = session.read(description.frame)?;
-            // Lines that the register does not count, such as the rows themselves.
-            let further = mode.frame_lines.saturating_sub(now);
-            let value = lines.checked_sub(further).filter(|value| *value <= description.frame.max());
+            let (register, read_anyway) = match description.frame {
+                FrameSetting::Whole(register) => (register, 0),
+                FrameSetting::Further(register) => (register, mode.frame_lines.saturating_sub(session.read(register)?)),
+            };
+            let value = lines.checked_sub(read_anyway).filter(|value| *value <= register.max());
             let Some(value) = value.filter(|_| lines > u32::from(mode.lines)) else {
                 let expected = "above the rows that are read, and within the chip's registers";
                 return Err(ParameterError::new("lines", lines.into(), expected).into());
             };
-            session.write(description.frame, value)?;
+            session.write(register, value)?;
             description.commit.map_or(Ok(()), |(register, value)| session.write(register, value))
         })
     }
