@@ -1,6 +1,6 @@
-//! Timing of a sensor, read from its registers and measured from stamps, without a way to panic: the boards' programs of
-//! this example contain no panic routine, which `.ci/no-panic` checks in their symbols. It prints nothing; its exit code
-//! tells how it went.
+//! Timing of a sensor, read from its registers and measured from stamps, without a way to panic: the boards' programs
+//! of this example contain no panic routine, which `.ci/no-panic` checks in their symbols. It prints nothing; its
+//! exit code tells how it went.
 //!
 //! Desktop: `cargo run --release --example no_panic_sensor --features embedded-hal`
 //! Boards (emulated Cortex-M0 and M4F): the same with `--target thumbv6m-none-eabi` or `thumbv7em-none-eabihf`

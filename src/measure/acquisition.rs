@@ -1,8 +1,8 @@
 //! The first stamps: what period do most of them agree on, and which of them disagree?
 //!
-//! Late and missed interrupts are among them from the beginning, so everything here is a median: of the intervals for the
-//! number of periods between two stamps, of the slopes of all pairs for the period (Theil and Sen), of the residuals for
-//! the phase. The scatter is what two thirds of them do not reach.
+//! Late and missed interrupts are among them from the beginning, so everything here is a median: of the intervals for
+//! the number of periods between two stamps, of the slopes of all pairs for the period (Theil and Sen), of the
+//! residuals for the phase. The scatter is what two thirds of them do not reach.
 
 use heapless::Vec;
 

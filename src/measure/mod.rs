@@ -23,8 +23,8 @@
 //!
 //! [`PeriodMeter`] fits a straight line through the stamps. It works in whole numbers and a few hundred bytes; a late
 //! interrupt is left out and counted, missed ones are counted, and a counter of 16, 24 or 32 bits may turn over as it
-//! likes. The same meter takes the frames' VSYNC. [`FrameStart`] says when the first row of a frame was exposed, given its
-//! VSYNC and the blanking rows in between.
+//! likes. The same meter takes the frames' VSYNC. [`FrameStart`] says when the first row of a frame was exposed,
+//! given its VSYNC and the blanking rows in between.
 //!
 //! # One line or one row?
 //!

@@ -30,15 +30,16 @@ impl Period {
         u32::try_from(ppm).unwrap_or(u32::MAX)
     }
 
-    /// Sigma relative to the period: what [`Uncertainty::sigma_readout`](crate::Uncertainty::sigma_readout) asks for. At
-    /// most 1.
+    /// Sigma relative to the period: what [`Uncertainty::sigma_readout`](crate::Uncertainty::sigma_readout) asks for.
+    /// At most 1.
     #[must_use]
     pub fn sigma<S: Scalar>(&self) -> S {
         S::from_ratio(i64::from(self.sigma_ppm().min(1_000_000)), 1_000_000)
     }
 
     /// The readout of an image of `rows`, where the period is the sensor's line time and the sensor spends `lines` of
-    /// its own on the image: as many as the image has rows, or twice as many where it skips or averages every second one.
+    /// its own on the image: as many as the image has rows, or twice as many where it skips or averages every second
+    /// one.
     ///
     /// *Errors*: zero rows, zero lines; a frame longer than a minute.
     pub fn readout(&self, rows: u16, lines: u16, direction: ReadoutDirection) -> Result<Readout, ParameterError> {

@@ -37,8 +37,9 @@ pub enum StampFate {
 /// *Range*: periods from 16 ticks to a turn of the counter; longer ones with
 /// [`expecting_ps`](Self::expecting_ps). A stamp's jitter should be below a tenth of the period.
 ///
-/// *Cost*: 384 bytes. A stamp takes one 64-bit division and a dozen products, one that fits nowhere a few of them for each
-/// period of a turn of the counter; the ninth, which settles the first ones, 36 divisions and some thousand comparisons.
+/// *Cost*: 384 bytes. A stamp takes one 64-bit division and a dozen products, one that fits nowhere a few of them for
+/// each period of a turn of the counter; the ninth, which settles the first ones, 36 divisions and some thousand
+/// comparisons.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PeriodMeter {
