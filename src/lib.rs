@@ -38,6 +38,9 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
+//! The line time, on which every distance rests, comes from the sensor itself: [`measure`] fits it to stamped interrupts, and
+//! `sensor` (feature `embedded-hal`) reads it from the registers of ten common chips.
+//!
 //! The motion of a frame is a constant [`Twist`], or what a [`Trajectory`] makes of stamped odometry and gyroscope samples.
 //!
 //! # Conventions
@@ -89,6 +92,7 @@
 //! | `fixed` | `Q32`: 32.32 fixed point, no floating point at all |
 //! | `defmt` | `defmt::Format` on the public types |
 //! | `serde` | (de)serialisation of setups, edge points, ranges and scenes; checked types are checked again |
+//! | `embedded-hal` | `sensor`: the timing of image sensors, read over I²C |
 //! | `std` | conveniences that collect into `Vec` |
 //!
 //! # Guarantees
@@ -112,6 +116,9 @@ mod error;
 // What is known beforehand.
 mod setup;
 mod motion;
+pub mod measure;
+#[cfg(feature = "embedded-hal")]
+pub mod sensor;
 
 // The way of the data: a row of pixels, edge points, lines, ranges.
 mod edge;
@@ -154,6 +161,6 @@ pub mod documents {
     pub mod glossary {}
 }
 
-#[cfg(all(doctest, feature = "libm"))]
+#[cfg(all(doctest, feature = "libm", feature = "embedded-hal"))]
 #[doc = include_str!("../README.md")]
 struct ReadmeExamples;

@@ -41,6 +41,9 @@ pub(crate) enum Command {
     /// Frames of a simulated scene, with the truth about their edges
     #[command(after_help = help::SIMULATE)]
     Simulate(SimulateArgs),
+    /// Image sensors and their modes: line time, frame readout, and how well that is known
+    #[command(after_help = help::SENSORS)]
+    Sensors,
 }
 
 #[derive(Args)]

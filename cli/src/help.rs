@@ -7,6 +7,7 @@ Examples:
   detect-edges video.mp4 | shutter-range edges - --setup camera.toml --json
   shutter-range frame frame.png --setup camera.toml --overlay seen.png
   shutter-range simulate --setup camera.toml --out simulated
+  shutter-range sensors
 
 Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
 
@@ -123,3 +124,16 @@ A scene:
 Example:
   shutter-range simulate --setup camera.toml --out simulated --frames 10
   shutter-range frame simulated/frame-*.png --setup simulated/setup.toml --frame-interval-s 0.0333333333";
+
+pub(crate) const SENSORS: &str = "\
+The line time is that from one row of the image to the next, for camera.line_time_us of a setup: the
+sensor's own, times the lines that it spends on a row. The readout is that of all rows, for
+camera.readout_s.
+
+  measured    somebody measured a frame rate with these settings, and it agrees
+  computed    it has the frame rate, or the clock, that a driver or a data sheet states
+  documented  it follows from descriptions of the registers alone
+Sigma is that of the sensor's formula, for a clock that is right to its last stated digit.
+
+Example:
+  shutter-range sensors --json | jq '.modes[] | select(.sensor == \"OV2640\")'";

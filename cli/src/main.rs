@@ -13,7 +13,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::arguments::{Cli, Command, FrameArgs};
-use crate::command::{edges, frame, simulate, table2};
+use crate::command::{edges, frame, sensors, simulate, table2};
 use crate::output::{overlay, range_table, terminal, truth};
 
 fn main() -> ExitCode {
@@ -41,6 +41,10 @@ fn run(cli: &Cli) -> Result<ExitCode> {
             simulate::check_inputs(arguments).unwrap_or_else(|message| arguments::refuse(&message));
             let truth = simulate::frames(arguments)?;
             if cli.json { terminal::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
+        }
+        Command::Sensors => {
+            let document = sensors::modes()?;
+            if cli.json { terminal::json(&document)? } else { sensors::text(&document, colours) }
         }
     };
     terminal::print(&text)?;

@@ -4,3 +4,4 @@ pub(crate) mod table2;
 pub(crate) mod edges;
 pub(crate) mod frame;
 pub(crate) mod simulate;
+pub(crate) mod sensors;

@@ -9,6 +9,7 @@ mod overlays;
 mod painting;
 mod reference_lines;
 mod refusals;
+mod sensors;
 mod sequences;
 mod simulation_folders;
 mod simulations;
