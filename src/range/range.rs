@@ -74,7 +74,7 @@ impl<S: Scalar> Range<S> {
         let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters) };
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
-                range.fill(setup, motion, line, &fitted);
+                range.fill(setup, motion, line, &fitted, earlier.is_none());
                 if let Some(blur) = &blur {
                     range.compare_with_blur(blur, &fitted.state.line3, blur_enters);
                 }
@@ -130,6 +130,7 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
         fitted: &Fitted<S, KNOTS>,
+        is_single: bool,
     ) {
         let (top, bottom) = line.top_and_bottom();
         let line3 = &fitted.state.line3;
@@ -138,7 +139,10 @@ impl<S: Scalar> Range<S> {
         self.estimate = fitted.estimate;
         self.points_used = line.points_in(fitted.inliers.iter().copied());
         let is_by_chance = may_be_by_chance(setup, self, line);
-        self.status = status_of(setup, line, &fitted.estimate).unless(Objection::Clutter, is_by_chance);
+        let leans = is_single && leans_beyond_prior(setup, &fitted.estimate);
+        self.status = status_of(setup, line, &fitted.estimate)
+            .unless(Objection::ToldLean, leans)
+            .unless(Objection::Clutter, is_by_chance);
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
@@ -189,6 +193,15 @@ fn status_of<S: Scalar, const KNOTS: usize>(
     estimate: &Estimate<S>,
 ) -> RangeStatus {
     if line.points() < setup.limits().min_points { RangeStatus::Short } else { estimate.status() }
+}
+
+/// A fitted lean of more prior sigmas than this contradicts the prior.
+const MOST_PRIOR_SIGMAS: i32 = 4;
+
+/// Whether the fit has found a lean that the prior excludes: the edge leans more than was stated, or its clock is wrong.
+fn leans_beyond_prior<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>) -> bool {
+    let most = setup.uncertainty().sigma_tilt_at(estimate.bearing) * S::from_i32(MOST_PRIOR_SIGMAS);
+    most > S::ZERO && estimate.tilt.abs() > most
 }
 
 /// Whether a line of pixels may be one by chance, or joined from pieces of several: a short one where points lie densely

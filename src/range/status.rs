@@ -43,7 +43,10 @@ const MOST_SIGMA_CENTI_PER_M: i32 = 33;
 #[derive(Clone, Copy)]
 pub(crate) enum Objection {
     Clutter,
+    /// The blur contradicts the slope.
     Lean,
+    /// The fit itself tells a lean that the prior excludes.
+    ToldLean,
     Motion,
 }
 
@@ -67,10 +70,17 @@ impl RangeStatus {
     /// The same with what else speaks against the line. Where the numbers refuse it already, that is told.
     #[must_use]
     pub(crate) fn unless(self, objection: Objection, holds: bool) -> Self {
-        if self != Self::Ok || !holds {
+        let is_sound = match objection {
+            Objection::ToldLean => matches!(self, Self::Ok | Self::Far),
+            // What moves may look as if it leaned.
+            Objection::Motion => matches!(self, Self::Ok | Self::Leaning),
+            _ => self == Self::Ok,
+        };
+        if !(holds && is_sound) {
             return self;
         }
         match objection {
+            Objection::ToldLean => Self::Leaning,
             Objection::Clutter => Self::Cluttered,
             Objection::Lean => Self::Leaning,
             Objection::Motion => Self::Moving,

@@ -22,6 +22,10 @@ pub struct Uncertainty<S> {
     pub sigma_readout: S,
     /// Focal length, relative.
     pub sigma_focal: S,
+    /// How far edges wander from a straight line, one standard deviation in pixels, alike over some sixteen rows. What a line
+    /// shows beyond it is added by itself; this is the floor. 0.03 px unless you know better; zero means that edges are
+    /// straight.
+    pub edge_roughness_px: S,
 }
 
 impl<S: Scalar> Uncertainty<S> {
@@ -33,6 +37,7 @@ impl<S: Scalar> Uncertainty<S> {
         sigma_rate_rad_s: S::ZERO,
         sigma_readout: S::ZERO,
         sigma_focal: S::ZERO,
+        edge_roughness_px: S::ZERO,
     };
 
     /// The same with another [`sigma_tilt`](Self::sigma_tilt).
@@ -70,6 +75,13 @@ impl<S: Scalar> Uncertainty<S> {
         self
     }
 
+    /// The same with another [`edge_roughness_px`](Self::edge_roughness_px).
+    #[must_use]
+    pub const fn with_edge_roughness_px(mut self, edge_roughness_px: S) -> Self {
+        self.edge_roughness_px = edge_roughness_px;
+        self
+    }
+
     /// The same with another [`sigma_focal`](Self::sigma_focal).
     #[must_use]
     pub const fn with_sigma_focal(mut self, sigma_focal: S) -> Self {
@@ -91,6 +103,7 @@ impl<S: Scalar> Uncertainty<S> {
             ("sigma_rate_rad_s", self.sigma_rate_rad_s),
             ("sigma_readout", self.sigma_readout),
             ("sigma_focal", self.sigma_focal),
+            ("edge_roughness_px", self.edge_roughness_px),
         ];
         match parameters.into_iter().find(|(_, sigma)| !(*sigma >= S::ZERO && *sigma <= S::ONE)) {
             Some((name, sigma)) => Err(ParameterError::new(name, sigma.to_f64(), "0 to 1")),
