@@ -1,6 +1,7 @@
 //! `shutter-range`: distance from the rolling-shutter effect, on recorded data.
 
 mod input;
+mod help;
 mod arguments;
 mod ranging;
 mod output;
@@ -12,7 +13,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::arguments::{Cli, Command, FrameArgs};
-use crate::command::{edges, frames, simulate, table2};
+use crate::command::{edges, frame, simulate, table2};
 use crate::output::{overlay, range_table, terminal, truth};
 
 fn main() -> ExitCode {
@@ -30,13 +31,14 @@ fn run(cli: &Cli) -> Result<ExitCode> {
             let summary = table2::summary()?;
             if cli.json { terminal::json(&summary)? } else { table2::text(&summary, colours) }
         }
-        Command::Edges { file, setup, course } => {
-            let setup = course.load_setup(&setup.path)?;
-            let document = edges::ranges(file, &setup, course)?;
+        Command::Edges { file, setup, motion } => {
+            let setup = motion.load_setup(&setup.path)?;
+            let document = edges::ranges(file, &setup, motion)?;
             if cli.json { terminal::json(&document)? } else { range_table::text(&document, colours) }
         }
-        Command::Frame(arguments) => return frame(arguments, cli.json),
+        Command::Frame(arguments) => return run_frame(arguments, cli.json),
         Command::Simulate(arguments) => {
+            simulate::check_inputs(arguments).unwrap_or_else(|message| arguments::refuse(&message));
             let truth = simulate::frames(arguments)?;
             if cli.json { terminal::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
         }
@@ -45,14 +47,14 @@ fn run(cli: &Cli) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
+fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     let overlays = overlay::paths(&arguments.files, arguments.overlay.as_deref());
     let overlays = overlays.unwrap_or_else(|message| arguments::refuse(&message));
-    let of_course = arguments.course.refuse_frames(arguments.files.len());
-    of_course.unwrap_or_else(|message| arguments::refuse(&message));
-    let setup = arguments.course.load_setup(&arguments.setup.path)?;
-    let frames::Outcome { document, failures } = frames::ranges(arguments, &overlays, &setup)?;
-    // Where nothing was read there is nothing to tell.
+    let checked = arguments.motion.check_frames(arguments.files.len());
+    checked.unwrap_or_else(|message| arguments::refuse(&message));
+    let setup = arguments.motion.load_setup(&arguments.setup.path)?;
+    let frame::Outcome { document, failures } = frame::ranges(arguments, &overlays, &setup)?;
+    // Without any frame there is nothing to print.
     if !document.frames.is_empty() {
         let text = if json { terminal::json(&document)? } else { range_table::text(&document, terminal::colours()) };
         terminal::print(&text)?;
@@ -60,7 +62,7 @@ fn frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     Ok(if failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// A ranger's tables pass the stack on their way to the heap, which is more than the main thread of some systems has.
+/// The tables of a ranger are built on the stack before they go to the heap: too much for the main thread of some systems.
 fn on_a_large_stack(work: impl FnOnce() -> Result<ExitCode> + Send + 'static) -> Result<ExitCode> {
     const STACK_BYTES: usize = 32 << 20;
     let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(work);

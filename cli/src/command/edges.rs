@@ -1,115 +1,116 @@
 //! Command `edges`: ranges from edge points, frame by frame.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, bail};
 use shutter_range::{Line, Setup};
 
-use crate::arguments::CourseArgs;
-use crate::input::edge_file::{self, EdgeRow};
+use crate::arguments::MotionArgs;
+use crate::input::bounded_read;
+use crate::input::edge_file::{self, FilePoint, LIMIT};
 use crate::input::setup::SetupFile;
 use crate::output::report::{Document, Frame};
-use crate::ranging::course::{CameraMotion, Course};
-use crate::ranging::sequel::Sequel;
-use crate::ranging::tracking::{self, KNOTS, Tracked, backwards};
+use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
+use crate::ranging::frame_sequence::FrameSequence;
+use crate::ranging::tracking::{self, KNOTS, Tracked, time_order};
 
-pub(crate) fn ranges(path: &Path, setup: &SetupFile, course: &CourseArgs) -> Result<Document> {
+pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Result<Document> {
     let name = path.display().to_string();
-    let text = read(path).with_context(|| format!("reading {name}"))?;
+    let text = if path == Path::new("-") {
+        bounded_read::read_standard_input(&LIMIT)?
+    } else {
+        bounded_read::read_text(path, &LIMIT)?
+    };
     let groups = by_frame(&text, setup).with_context(|| name.clone())?;
-    course.refuse_frames(groups.len()).map_err(Error::msg)?;
-    let course = Course::new(course, setup)?;
-    let frames = frames(&name, groups, setup, course).with_context(|| name.clone())?;
+    motion.check_frames(groups.len()).map_err(Error::msg)?;
+    let motion = CameraMotion::new(motion, setup)?;
+    let frames = frames(&name, groups, setup, motion).with_context(|| name.clone())?;
     Ok(Document { frames })
 }
 
-fn read(path: &Path) -> Result<String> {
-    if path != Path::new("-") {
-        return Ok(std::fs::read_to_string(path)?);
-    }
-    let mut text = String::new();
-    std::io::stdin().read_to_string(&mut text)?;
-    Ok(text)
-}
-
-type Frames = BTreeMap<Option<i64>, Vec<EdgeRow>>;
+/// The points of each frame; `None` is the only frame of a file that has no column for it.
+type Frames = BTreeMap<Option<i64>, Vec<FilePoint>>;
 
 fn by_frame(text: &str, setup: &SetupFile) -> Result<Frames> {
     let file = edge_file::parse(text, setup)?;
     let mut groups = Frames::new();
     if !file.has_frames {
-        // Nothing found in the only frame is a result, too.
+        // A frame without points has a result as well.
         groups.insert(None, Vec::new());
     }
-    for row in file.rows {
-        let frame = file.has_frames.then(|| row.frame.unwrap_or(0));
-        groups.entry(frame).or_default().push(row);
+    for point in file.points {
+        // A point that names no frame is of frame 0.
+        let frame = file.has_frames.then(|| point.frame.unwrap_or(0));
+        groups.entry(frame).or_default().push(point);
     }
     Ok(groups)
 }
 
-/// Edges that name no frame are of frame 0.
-fn frames(name: &str, groups: Frames, setup: &SetupFile, mut course: Course) -> Result<Vec<Frame>> {
+fn frames(name: &str, groups: Frames, setup: &SetupFile, mut motion: CameraMotion) -> Result<Vec<Frame>> {
     let number = |frame: &Option<i64>| frame.unwrap_or(0);
     let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(number(frame))).chain([None]).collect();
-    let mut sequel = Sequel::new(setup, &course);
+    let mut sequence = FrameSequence::new(setup, &motion);
     let mut frames = Vec::new();
-    for ((key, rows), next) in groups.into_iter().zip(nexts) {
-        let to_next_s = course.to_next_s(number(&key), next);
-        let motion = course.motion(number(&key), next)?;
-        sequel.advance(&motion, to_next_s)?;
-        let named = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
-        frames.push(frame(named, rows, &mut sequel, &motion)?);
+    for ((key, points), next) in groups.into_iter().zip(nexts) {
+        let to_next_s = motion.to_next_s(number(&key), next);
+        let motion = motion.in_frame(number(&key), next)?;
+        sequence.advance(&motion, to_next_s)?;
+        let name = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
+        frames.push(frame(name, points, &mut sequence, &motion)?);
     }
     Ok(frames)
 }
 
-/// Edges that name their line make one; the tracker sorts out the others.
-fn frame(name: String, rows: Vec<EdgeRow>, sequel: &mut Sequel, motion: &CameraMotion<'_>) -> Result<Frame> {
-    let mut named: BTreeMap<i64, Vec<EdgeRow>> = BTreeMap::new();
-    let mut unassigned = Vec::new();
-    for row in rows {
-        match row.line {
-            Some(line) => named.entry(line).or_default().push(row),
-            None => unassigned.push(row),
+/// Points that name a line are that line; the tracker finds the lines of the others.
+fn frame(
+    name: String,
+    points: Vec<FilePoint>,
+    sequence: &mut FrameSequence,
+    motion: &MotionInFrame<'_>,
+) -> Result<Frame> {
+    let mut named: BTreeMap<i64, Vec<FilePoint>> = BTreeMap::new();
+    let mut unnamed = Vec::new();
+    for point in points {
+        match point.line {
+            Some(line) => named.entry(line).or_default().push(point),
+            None => unnamed.push(point),
         }
     }
-    let Tracked { mut lines, mut counters } = tracking::track(unassigned, sequel.setup())?;
-    for (number, rows) in named {
-        let line = line_of(number, rows, sequel.setup())?;
+    let Tracked { mut lines, mut counters } = tracking::track(unnamed, sequence.setup())?;
+    for (number, points) in named {
+        let line = line_of(number, points, sequence.setup())?;
         counters.points += u32::from(line.points());
         lines.push(line);
     }
-    Ok(Frame::new(name, &mut sequel.ranges(motion, &lines)?, counters))
+    Ok(Frame::new(name, &mut sequence.ranges(motion, &lines)?, counters))
 }
 
-fn line_of(number: i64, mut rows: Vec<EdgeRow>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {
+fn line_of(number: i64, mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {
     let readout = setup.readout();
-    rows.sort_by_key(|row| readout.rows_before(row.edge.row));
-    refuse_twin_rows(number, &rows)?;
-    let Some((first, others)) = rows.split_first() else { bail!("line {number} has no edges") };
-    let mut line = Line::new(first.edge);
-    for row in others {
-        if line.push(row.edge).is_err() {
-            bail!("line {}: {}", row.at, backwards(row, line.last().row));
+    points.sort_by_key(|point| readout.rows_before(point.point.row));
+    refuse_repeated_rows(number, &points)?;
+    let Some((first, others)) = points.split_first() else { bail!("line {number} has no edge points") };
+    let mut line = Line::new(first.point);
+    for point in others {
+        if line.push(point.point).is_err() {
+            bail!("line {}: {}", point.at, time_order(point, line.last().row));
         }
     }
     Ok(line)
 }
 
-fn refuse_twin_rows(number: i64, rows: &[EdgeRow]) -> Result<()> {
-    let twins = rows.windows(2).find_map(|pair| match pair {
-        [a, b] if a.edge.row == b.edge.row => Some((a, b)),
+fn refuse_repeated_rows(number: i64, points: &[FilePoint]) -> Result<()> {
+    let repeated = points.windows(2).find_map(|pair| match pair {
+        [a, b] if a.point.row == b.point.row => Some((a, b)),
         _ => None,
     });
-    match twins {
+    match repeated {
         Some((a, b)) => bail!(
-            "lines {} and {}: `line` {number} has two edges on `row` {}, but must have one: number them as two lines",
+            "lines {} and {}: `line` {number} has two edge points on `row` {}, but must have one: number them as two lines",
             a.at.min(b.at),
             a.at.max(b.at),
-            a.edge.row
+            a.point.row
         ),
         None => Ok(()),
     }

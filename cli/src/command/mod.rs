@@ -2,5 +2,5 @@
 
 pub(crate) mod table2;
 pub(crate) mod edges;
-pub(crate) mod frames;
+pub(crate) mod frame;
 pub(crate) mod simulate;

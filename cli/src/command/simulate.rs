@@ -1,41 +1,57 @@
 //! Command `simulate`: frames of the library's simulator, with their truth.
 
-use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, anyhow, ensure};
-use image::GrayImage;
+use image::{GrayImage, ImageFormat};
 use shutter_range::sim::{Exposure, Simulator};
 use shutter_range::{Camera, Distortion, Intrinsics, Motion, ParameterError, Twist};
 
 use crate::arguments::SimulateArgs;
+use crate::input::bounded_read;
+use crate::input::file_identity::FileIdentity;
 use crate::input::scene_file::{self, OBJECTS, SceneFile};
 use crate::input::setup::{self, SetupFile};
 use crate::output::progress;
+use crate::output::simulation_folder::{self, SCENE, SETUP, SimulationFolder, TRUTH};
 use crate::output::terminal;
 use crate::output::truth::{TruthDocument, TruthFrame};
+
+/// Refuses a simulation that would replace a file that it reads.
+pub(crate) fn check_inputs(arguments: &SimulateArgs) -> Result<(), String> {
+    let inputs = [("--setup", Some(&arguments.setup.path)), ("--scene", arguments.scene.as_ref())];
+    // What cannot be listed holds nothing to replace.
+    let replaced = simulation_folder::files(&arguments.out).unwrap_or_default();
+    for file in replaced {
+        let is_file = |path: &Path| FileIdentity::of(path) == FileIdentity::of(&file);
+        let input = inputs.into_iter().find(|(_, path)| path.is_some_and(|path| is_file(path)));
+        if let Some((option, _)) = input {
+            return Err(format!("--out would replace {}, which {option} reads: choose another folder", file.display()));
+        }
+    }
+    Ok(())
+}
 
 pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
     let setup_path = &arguments.setup.path;
     let file = setup::load(setup_path)?;
-    let scene_text = match &arguments.scene {
-        Some(path) => fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?,
-        None => scene_file::STREET.to_string(),
+    let (scene_text, scene_name) = match &arguments.scene {
+        Some(path) => (bounded_read::read_text(path, &scene_file::LIMIT)?, path.display().to_string()),
+        None => (scene_file::STREET.to_string(), "the built-in street".to_string()),
     };
-    let named =
-        || arguments.scene.as_ref().map_or("the built-in street".to_string(), |path| path.display().to_string());
-    let scene = scene_file::parse(&scene_text).with_context(named)?;
+    let scene = scene_file::parse(&scene_text).context(scene_name)?;
     let simulator = simulator(&file, &scene, arguments.seed).with_context(|| setup_path.display().to_string())?;
-    let setup_text = fs::read(setup_path).with_context(|| format!("reading {}", setup_path.display()))?;
-    make_folder(&arguments.out)?;
-    let document = render(&simulator, &file, arguments)?;
-    write(&arguments.out.join("setup.toml"), &setup_text)?;
-    write(&arguments.out.join("scene.toml"), scene_text.as_bytes())?;
-    write(&arguments.out.join("truth.json"), terminal::json(&document)?.as_bytes())?;
+    let mut folder = SimulationFolder::open(&arguments.out, arguments.overwrite)?;
+    let document = render(&simulator, &file, arguments, &mut folder)?;
+    folder.write(SETUP, file.text.as_bytes())?;
+    folder.write(SCENE, scene_text.as_bytes())?;
+    folder.write(TRUTH, terminal::json(&document)?.as_bytes())?;
+    folder.finish()?;
     Ok(document)
 }
 
-/// The setup's camera, motion and optics in the numbers of the simulator.
+/// The setup's camera, motion and optics as the simulator takes them.
 fn simulator<'a>(file: &SetupFile, scene: &'a SceneFile, seed: u64) -> Result<Simulator<'a, OBJECTS>> {
     let camera = file.setup.camera();
     ensure!(
@@ -57,11 +73,11 @@ fn simulator<'a>(file: &SetupFile, scene: &'a SceneFile, seed: u64) -> Result<Si
         shot_gain: scene.shot_gain,
     };
     let readout = file.setup.readout();
-    Simulator::new(&scene.scene, &camera, readout, &motion, exposure, seed).map_err(|error| named(&error))
+    Simulator::new(&scene.scene, &camera, readout, &motion, exposure, seed).map_err(|error| by_its_key(&error))
 }
 
-/// What the simulator refuses, under its name in the setup file.
-fn named(error: &ParameterError) -> Error {
+/// A parameter that the simulator refuses, under its key in the setup file.
+fn by_its_key(error: &ParameterError) -> Error {
     let name = match error.parameter {
         "time_s" => "camera.exposure_s",
         "psf_sigma_px" => "camera.lens_blur_px",
@@ -70,35 +86,22 @@ fn named(error: &ParameterError) -> Error {
     anyhow!("`{name}` is {}, but must be {}", error.value, error.expected)
 }
 
-/// Files of the same names are replaced, so a folder that someone keeps other things in is refused.
-fn make_folder(folder: &Path) -> Result<()> {
-    let name = folder.display();
-    let is_ours = folder.join("truth.json").exists();
-    let is_empty = match fs::read_dir(folder) {
-        Ok(mut entries) => entries.next().is_none(),
-        Err(_) => true,
-    };
-    ensure!(
-        is_ours || is_empty,
-        "{name} holds other files: --out must be a new or empty folder, or an earlier simulation"
-    );
-    fs::create_dir_all(folder).with_context(|| format!("making {name}"))
-}
-
-fn render(simulator: &Simulator<'_, OBJECTS>, file: &SetupFile, arguments: &SimulateArgs) -> Result<TruthDocument> {
+fn render(
+    simulator: &Simulator<'_, OBJECTS>,
+    file: &SetupFile,
+    arguments: &SimulateArgs,
+    folder: &mut SimulationFolder,
+) -> Result<TruthDocument> {
     let readout = file.setup.readout();
     let readout_s = readout.line_time_ps() as f64 * 1e-12 * f64::from(readout.rows());
     let interval_s = arguments.frame_interval_s.unwrap_or(readout_s.max(1.0 / 30.0));
-    let digits = (arguments.frames - 1).to_string().len().max(4);
     let bar = progress::bar(arguments.frames.into());
     let mut frames = Vec::new();
     for number in 0..arguments.frames {
         let start_s = f64::from(number) * interval_s;
         let simulator = simulator.clone().at_frame(number, (start_s * 1e9).round() as i64);
-        let name = format!("frame-{number:0digits$}.png");
-        let path = arguments.out.join(&name);
-        let picture = picture(&simulator, file)?;
-        picture.save(&path).with_context(|| format!("writing {}", path.display()))?;
+        let name = simulation_folder::frame_name(number, arguments.frames);
+        folder.write(&name, &png(&picture(&simulator, file)?)?)?;
         frames.push(TruthFrame::new(name, start_s, &simulator.motion()?, simulator.truth()));
         bar.inc(1);
     }
@@ -109,12 +112,14 @@ fn render(simulator: &Simulator<'_, OBJECTS>, file: &SetupFile, arguments: &Simu
 fn picture(simulator: &Simulator<'_, OBJECTS>, file: &SetupFile) -> Result<GrayImage> {
     let size = file.size();
     let mut pixels = vec![0; size.columns as usize * size.rows as usize];
-    for (row, of_row) in (0..).zip(pixels.chunks_exact_mut(size.columns as usize)) {
-        simulator.row(row, of_row);
+    for (row, row_pixels) in (0..).zip(pixels.chunks_exact_mut(size.columns as usize)) {
+        simulator.row(row, row_pixels);
     }
     GrayImage::from_raw(size.columns, size.rows, pixels).context("a frame of the camera's size")
 }
 
-fn write(path: &Path, content: &[u8]) -> Result<()> {
-    fs::write(path, content).with_context(|| format!("writing {}", path.display()))
+fn png(picture: &GrayImage) -> Result<Vec<u8>> {
+    let mut file = Cursor::new(Vec::new());
+    picture.write_to(&mut file, ImageFormat::Png).context("encoding a PNG")?;
+    Ok(file.into_inner())
 }

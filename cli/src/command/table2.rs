@@ -1,4 +1,4 @@
-//! The paper's field test (its Table 2), computed anew from the printed angles.
+//! Command `table2`: the field test of the paper (its Table 2), recomputed from the published angles.
 
 use std::fmt::Write;
 
@@ -10,14 +10,14 @@ use crate::output::text_table::{Colour, TextTable};
 
 const PUBLISHED: &str = include_str!("../../../host_tests/data/table2.csv");
 
-/// A published estimate follows from its angle within the angle's rounding and that of the speed, generously.
+/// Relative. The published angles and speeds are rounded: a distance that is this close does follow from its angle.
 const TOLERANCE: f64 = 0.005;
 
-/// A line of the published table.
+/// A row of the published table.
 #[derive(Deserialize)]
 struct Published {
     case: u32,
-    /// As printed: a fraction of a second.
+    /// A fraction such as `1/60`.
     shutter_s: String,
     speed_m_s: f64,
     distance_m: f64,
@@ -73,7 +73,7 @@ impl Row {
         })
     }
 
-    /// The angle that would give the published distance.
+    /// The angle that the published distance would follow from.
     fn explaining_angle_deg(&self) -> f64 {
         let shear = Shear::parallel(PAPER_KAPPA, 0.0);
         shear.angle_rad(self.published_m, self.speed_m_s, self.readout_s).to_degrees()

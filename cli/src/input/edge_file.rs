@@ -1,40 +1,46 @@
-//! EdgePoint points from CSV.
+//! Edge points from CSV.
 
 use anyhow::Result;
 use shutter_range::{EdgePoint, Polarity};
 
+use super::bounded_read::{Limit, MEBIBYTE};
 use super::bounds::Bounds;
 use super::setup::{SIGMA_PX, SetupFile};
 use super::table_file::{Columns, Record, TableFile};
 
-/// An edge, where it came from, and what it is said to belong to.
+/// Some ten million edge points, which take more than a gigabyte of memory.
+pub(crate) const LIMIT: Limit<'_> = Limit { bytes: 256 * MEBIBYTE, rule: "a file of edge points must have at most" };
+
+/// An edge point, where it came from, and what it is said to belong to.
 #[derive(Clone, Copy)]
-pub(crate) struct EdgeRow {
+pub(crate) struct FilePoint {
     /// Line of the file, from 1.
     pub(crate) at: usize,
     pub(crate) frame: Option<i64>,
     pub(crate) line: Option<i64>,
-    pub(crate) edge: EdgePoint,
+    pub(crate) point: EdgePoint,
 }
 
 pub(crate) struct EdgeFile {
-    pub(crate) rows: Vec<EdgeRow>,
+    pub(crate) points: Vec<FilePoint>,
     pub(crate) has_frames: bool,
 }
 
 const COLUMNS: Columns = Columns {
-    known: &["row", "column", "time_s", "line", "frame", "polarity", "sigma_px"],
+    known: &["row", "column", "time_s", "line", "frame", "polarity", "sigma_px", "width_px"],
     required: &["row", "column"],
 };
 
 /// The library takes stamps within an hour of frame start.
 const TIME: Bounds = Bounds::number(-3600.0, 3600.0, "seconds since frame start");
+/// An edge point cannot store more than that.
+const WIDTH: Bounds = Bounds::number(0.0, 255.0, "pixels, one sigma of the edge's blur; 0 where it was not measured");
 
 pub(crate) fn parse(text: &str, setup: &SetupFile) -> Result<EdgeFile> {
     let table = TableFile::parse(text, &COLUMNS)?;
-    let parser = RowParser::new(setup);
-    let rows = table.records().map(|record| parser.row(&record?)).collect::<Result<_>>()?;
-    Ok(EdgeFile { rows, has_frames: table.has("frame") })
+    let parser = PointParser::new(setup);
+    let points = table.records().map(|record| parser.point(&record?)).collect::<Result<_>>()?;
+    Ok(EdgeFile { points, has_frames: table.has("frame") })
 }
 
 fn polarity(record: &Record<'_>) -> Result<Polarity> {
@@ -46,14 +52,20 @@ fn polarity(record: &Record<'_>) -> Result<Polarity> {
     }
 }
 
-/// From a line of the file to an edge.
-struct RowParser<'a> {
+/// In 1/256 px; zero where it was not measured. A width below the resolution was measured all the same.
+fn width_q8(record: &Record<'_>) -> Result<u16> {
+    let measured = record.number("width_px", WIDTH)?.filter(|width_px| *width_px > 0.0);
+    Ok(measured.map_or(0, |width_px| ((width_px * 256.0).round() as u16).max(1)))
+}
+
+/// From a line of the file to an edge point.
+struct PointParser<'a> {
     setup: &'a SetupFile,
     rows: Bounds,
     columns: Bounds,
 }
 
-impl<'a> RowParser<'a> {
+impl<'a> PointParser<'a> {
     fn new(setup: &'a SetupFile) -> Self {
         let image = setup.setup.camera().intrinsics();
         let rows = Bounds::whole(0.0, f64::from(image.rows) - 1.0, "rows of the image");
@@ -61,7 +73,7 @@ impl<'a> RowParser<'a> {
         Self { setup, rows, columns }
     }
 
-    fn row(&self, record: &Record<'_>) -> Result<EdgeRow> {
+    fn point(&self, record: &Record<'_>) -> Result<FilePoint> {
         let row = record.required("row", self.rows)? as u16;
         let column_px = record.required("column", self.columns)?;
         let time_ns = match record.number("time_s", TIME)? {
@@ -69,10 +81,11 @@ impl<'a> RowParser<'a> {
             None => self.setup.setup.readout().row_time_ns(row),
         };
         let sigma_px = record.number("sigma_px", SIGMA_PX)?.unwrap_or(self.setup.sigma_column_px);
-        let edge = EdgePoint::new(row, (column_px * 65536.0).round() as i32, time_ns)
+        let point = EdgePoint::new(row, (column_px * 65536.0).round() as i32, time_ns)
             .with_polarity(polarity(record)?)
-            // Whatever is finer than the grid of columns is as good as the grid.
+            // A column is stored in 1/65536 px: it cannot be better than that.
             .with_sigma_q16(((sigma_px * 65536.0).round() as u32).max(1));
-        Ok(EdgeRow { at: record.at, frame: record.integer("frame")?, line: record.integer("line")?, edge })
+        let point = EdgePoint { width_q8: width_q8(record)?, ..point };
+        Ok(FilePoint { at: record.at, frame: record.integer("frame")?, line: record.integer("line")?, point })
     }
 }

@@ -1,10 +1,10 @@
-//! [`Section`]: typed access to a section of a setup file. Every error names key, value and what would be right.
+//! [`Section`]: typed values of a section of a setup file. Every error names the key, its value and what would be right.
 
 use anyhow::{Error, Result, anyhow, bail};
 use toml::{Table, Value};
 
 use super::bounds::Bounds;
-use super::nearest::{best, likeness};
+use super::nearest::{list, nearest, nearest_by, similarity};
 
 /// All sections and their keys.
 pub(crate) const KEYS: [(&str, &[&str]); 3] = [
@@ -34,39 +34,50 @@ pub(crate) const KEYS: [(&str, &[&str]); 3] = [
     ("attitude", &["gravity", "sigma_tilt_deg", "sigma_gravity_deg"]),
 ];
 
-/// Refuses what is no key, with the nearest one.
+/// Refuses a name that is no section or key, with the nearest valid one, or with the list of valid ones where none is near.
 pub(crate) fn refuse_unknown(file: &Table) -> Result<()> {
     for (name, value) in file {
         let Some((section, keys)) = KEYS.iter().find(|(section, _)| section == name) else {
-            bail!("unknown {}; the nearest is {}", describe(name, value), nearest_top(name, value));
+            return Err(unknown_outside(name, value));
         };
         let Value::Table(table) = value else {
             bail!("`{section}` is {value}, but must be a section: [{section}]");
         };
         if let Some(key) = table.keys().find(|key| !keys.contains(&key.as_str())) {
-            bail!("unknown key `{section}.{key}`; the nearest is `{}`", nearest_key(section, key));
+            return Err(unknown_key(section, key, keys));
         }
     }
     Ok(())
 }
 
-fn describe(name: &str, value: &Value) -> String {
-    if value.is_table() { format!("section [{name}]") } else { format!("key `{name}` outside the sections") }
-}
-
-fn nearest_top(name: &str, value: &Value) -> String {
-    if !value.is_table() {
-        return format!("`{}`", nearest_key("", name));
-    }
+fn unknown_outside(name: &str, value: &Value) -> Error {
     let sections = KEYS.map(|(section, _)| section);
-    best(sections, |section| likeness(name, section)).map_or_else(String::new, |section| format!("[{section}]"))
+    let (what, nearest) = if value.is_table() {
+        let section = nearest(name, &sections);
+        (format!("section [{name}]"), section.map(|section| format!("[{section}]")))
+    } else {
+        (format!("key `{name}` outside the sections"), nearest_key("", name))
+    };
+    match nearest {
+        Some(nearest) => anyhow!("unknown {what}; the nearest is {nearest}"),
+        None => {
+            anyhow!("unknown {what}; the sections are {}", sections.map(|section| format!("[{section}]")).join(", "))
+        }
+    }
 }
 
-/// The key most like `key`; that of the same section among equals.
-fn nearest_key(section: &str, key: &str) -> String {
+fn unknown_key(section: &str, key: &str, keys: &[&str]) -> Error {
+    match nearest_key(section, key) {
+        Some(nearest) => anyhow!("unknown key `{section}.{key}`; the nearest is {nearest}"),
+        None => anyhow!("unknown key `{section}.{key}`; the keys of [{section}] are {}", list(keys)),
+    }
+}
+
+/// The key most similar to `key`; that of the same section among equals.
+fn nearest_key(section: &str, key: &str) -> Option<String> {
     let all = KEYS.iter().flat_map(|(section, keys)| keys.iter().map(move |key| (*section, *key)));
-    let score = |(place, name): (&str, &str)| likeness(key, name) + if place == section { 0.05 } else { 0.0 };
-    best(all, score).map_or_else(String::new, |(section, key)| format!("{section}.{key}"))
+    let score = |(other, name): (&str, &str)| similarity(key, name) + if other == section { 0.05 } else { 0.0 };
+    nearest_by(all, score).map(|(section, key)| format!("`{section}.{key}`"))
 }
 
 /// One section of the file; empty where the file has none.
@@ -88,7 +99,7 @@ impl<'a> Section<'a> {
         self.table.and_then(|table| table.get(key))
     }
 
-    /// "`section.key` is …, but must be …", or that it is missing.
+    /// An error for a key that is wrong or missing.
     pub(crate) fn refuse(&self, key: &str, expected: impl std::fmt::Display) -> Error {
         let name = self.name;
         match self.value(key) {
@@ -115,15 +126,15 @@ impl<'a> Section<'a> {
         let elements = value.as_array().filter(|elements| elements.len() == N);
         let elements = elements.ok_or_else(|| self.refuse(key, format_args!("{N} numbers: {what}")))?;
         let mut numbers = [0.0; N];
-        for (index, (place, element)) in numbers.iter_mut().zip(elements).enumerate() {
-            *place = number(element)
+        for (index, (number_at, element)) in numbers.iter_mut().zip(elements).enumerate() {
+            *number_at = number(element)
                 .filter(|number| bounds.contain(*number))
                 .ok_or_else(|| anyhow!("`{}.{key}[{index}]` is {element}, but must be {bounds}", self.name))?;
         }
         Ok(Some(numbers))
     }
 
-    /// One of the words, as its index.
+    /// The index of the value among the words.
     pub(crate) fn choice<const N: usize>(&self, key: &str, words: [&str; N]) -> Result<Option<usize>> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let index = value.as_str().and_then(|text| words.iter().position(|word| *word == text));

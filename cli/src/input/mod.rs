@@ -3,6 +3,9 @@
 pub(crate) mod nearest;
 pub(crate) mod bounds;
 pub(crate) mod size;
+pub(crate) mod file_identity;
+pub(crate) mod bounded_read;
+pub(crate) mod toml_file;
 pub(crate) mod keys;
 pub(crate) mod setup;
 pub(crate) mod table_file;

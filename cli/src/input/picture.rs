@@ -1,4 +1,4 @@
-//! Pictures from files: what the file shows and nothing else, or an error. The formats have their own ways to be cut short.
+//! Pictures from files: what the file shows and nothing else, or an error. Each format has its own ways to be incomplete.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -6,20 +6,31 @@ use std::path::Path;
 use anyhow::{Context, Error, Result, bail, ensure};
 use image::{DynamicImage, GrayImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
+use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::size::Size;
 
-/// The picture in a file, of that size; with `raw`, of a plain dump.
+/// A plain PPM has three numbers of five digits, each with a space.
+const MOST_BYTES_PER_PIXEL: u64 = 18;
+/// Thumbnails, colour profiles, and the video clip that some phones append to a JPEG.
+const MOST_BYTES_BESIDE_PIXELS: u64 = 64 * MEBIBYTE;
+
+/// The picture in a file, which must be of that size. With `raw`, the file is a plain dump of its pixels.
 pub(crate) fn load(path: &Path, size: Size, raw: bool) -> Result<DynamicImage> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path).with_context(|| format!("reading {name}"))?;
-    let picture = if raw { dump(bytes, size) } else { decode(&bytes, size) };
-    picture.context(name)
+    let picture = if raw {
+        let limit = Limit { bytes: size.pixels(), rule: &format!("--raw {size} must have") };
+        dump(bounded_read::read(path, &limit)?, size, &limit)
+    } else {
+        let bytes = size.pixels() * MOST_BYTES_PER_PIXEL + MOST_BYTES_BESIDE_PIXELS;
+        let limit = Limit { bytes, rule: &format!("a picture of {size} pixels must have at most") };
+        decode(&bounded_read::read(path, &limit)?, size)
+    };
+    picture.with_context(|| path.display().to_string())
 }
 
-fn dump(bytes: Vec<u8>, size: Size) -> Result<DynamicImage> {
-    let (found, due) = (bytes.len(), u64::from(size.columns) * u64::from(size.rows));
-    let picture = GrayImage::from_raw(size.columns, size.rows, bytes).filter(|_| found as u64 == due);
-    let picture = picture.with_context(|| format!("the file has {found} bytes, but --raw {size} must have {due}"))?;
+fn dump(bytes: Vec<u8>, size: Size, limit: &Limit<'_>) -> Result<DynamicImage> {
+    let found = bytes.len();
+    let picture = GrayImage::from_raw(size.columns, size.rows, bytes);
+    let picture = picture.with_context(|| format!("the file has {found} bytes, but {} {}", limit.rule, limit.bytes))?;
     Ok(DynamicImage::ImageLuma8(picture))
 }
 
@@ -29,31 +40,36 @@ fn decode(bytes: &[u8], size: Size) -> Result<DynamicImage> {
     let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm)) = format else {
         bail!("the file is no PNG, JPEG or PGM/PPM; a plain dump needs --raw WIDTHxHEIGHT");
     };
-    let decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().map_err(damaged)?;
+    let mut reader = Cursor::new(bytes);
+    let decoder = ImageReader::with_format(&mut reader, format).into_decoder().map_err(damaged)?;
     let (columns, rows) = decoder.dimensions();
     let found = Size { columns, rows };
-    // Before the pixels, of which a wrong header may promise any number.
+    // Before any pixel is read: a damaged header may promise more of them than there is memory for.
     ensure!(
         found == size,
         "the frame is {found} pixels, but must be {size} (`camera.columns` × `camera.rows` of the setup)"
     );
     ensure!(format != ImageFormat::Jpeg || jpeg_ends(bytes), "the file is truncated: a JPEG must have an end marker");
-    DynamicImage::from_decoder(decoder).map_err(damaged)
+    let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    if format == ImageFormat::Pnm {
+        refuse_second_frame(bytes, reader.position() as usize)?;
+    }
+    Ok(picture)
 }
 
 fn damaged(error: ImageError) -> Error {
     Error::from(error).context("the file is truncated or damaged")
 }
 
-/// The decoder fills what a JPEG lacks with grey, so that it cannot tell. Embedded thumbnails have end markers as well,
-/// but stand before the first scan.
+/// The decoder replaces what a truncated JPEG lacks by grey and reports no error. Embedded thumbnails have end markers as
+/// well, but come before the first scan.
 fn jpeg_ends(bytes: &[u8]) -> bool {
     const START_OF_SCAN: u8 = 0xDA;
     let mut rest = bytes.get(2..).unwrap_or_default();
     while let [0xFF, marker, high, low, ..] = *rest {
         let skipped = match marker {
             START_OF_SCAN => return rest.windows(2).any(|pair| pair == [0xFF, 0xD9]),
-            // A fill byte: the marker comes yet.
+            // A fill byte before the marker.
             0xFF => 1,
             0x01 | 0xD0..=0xD9 => 2,
             _ => 2 + usize::from(u16::from_be_bytes([high, low])),
@@ -61,4 +77,17 @@ fn jpeg_ends(bytes: &[u8]) -> bool {
         rest = rest.get(skipped..).unwrap_or_default();
     }
     false
+}
+
+/// Netpbm files may be concatenated, but which of the frames is meant?
+fn refuse_second_frame(bytes: &[u8], end: usize) -> Result<()> {
+    let is_text = matches!(bytes, [b'P', b'1'..=b'3', ..]);
+    let rest = bytes.get(end..).unwrap_or_default();
+    let rest = if is_text { rest.trim_ascii() } else { rest };
+    ensure!(
+        rest.is_empty(),
+        "{} bytes are left after the first frame, but a file must hold one frame: split it (netpbm's pamsplit does)",
+        rest.len()
+    );
+    Ok(())
 }

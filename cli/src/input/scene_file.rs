@@ -1,17 +1,21 @@
-//! Scene files: what stands before the simulated camera, in TOML.
+//! Scene files: what the simulated camera sees, in TOML.
 
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 use shutter_range::ParameterError;
 use shutter_range::sim::{Background, Bar, Exposure, Rail, Scene, Texture};
 
+use super::bounded_read::{Limit, MEBIBYTE};
 use super::bounds::Bounds;
-use super::setup::syntax;
+use super::toml_file;
 
-/// Bars and rails of a scene.
+/// A scene has at most this many bars and rails.
 pub(crate) const OBJECTS: usize = 64;
 
-/// Without one of the user's own.
+/// A scene of 64 objects takes about ten kilobytes.
+pub(crate) const LIMIT: Limit<'_> = Limit { bytes: MEBIBYTE, rule: "a scene must have at most" };
+
+/// The scene for those who give none.
 pub(crate) const STREET: &str = include_str!("street.toml");
 
 pub(crate) struct SceneFile {
@@ -40,14 +44,14 @@ struct BackgroundToml {
     level: f32,
     #[serde(default)]
     contrast: f32,
-    #[serde(default = "some_pixels")]
+    #[serde(default = "usual_cell")]
     cell: f32,
     #[serde(default)]
     seed: u32,
 }
 
-/// Size of a texture's cell as a bearing.
-fn some_pixels() -> f32 {
+/// Size of a texture's cell as a bearing: some dozens of pixels.
+fn usual_cell() -> f32 {
     0.1
 }
 
@@ -81,8 +85,7 @@ struct SensorToml {
 }
 
 pub(crate) fn parse(text: &str) -> Result<SceneFile> {
-    let text = text.trim_start_matches('\u{feff}');
-    let file: SceneToml = toml::from_str(text).map_err(|error| syntax(text, &error))?;
+    let file: SceneToml = toml_file::parse(text)?;
     let count = file.bar.len() + file.rail.len();
     if count > OBJECTS {
         return Err(anyhow!("the scene has {count} bars and rails, but must have at most {OBJECTS}"));
@@ -105,7 +108,7 @@ pub(crate) fn parse(text: &str) -> Result<SceneFile> {
     Ok(SceneFile { scene, read_noise, shot_gain })
 }
 
-/// The simulator's own limits, which it would name when the file is no longer known.
+/// Checks the simulator's limits here, where the key and the file are known.
 fn noise(key: &str, value: f32, what: &'static str) -> Result<f32> {
     let bounds = Bounds::number(0.0, 100.0, what);
     if bounds.contain(value.into()) {
@@ -117,9 +120,8 @@ fn noise(key: &str, value: f32, what: &'static str) -> Result<f32> {
 
 impl BarToml {
     fn as_bar(&self) -> Bar {
-        let endless = Bar::upright(self.bearing, self.depth_m, self.width_m, self.level);
-        let bar = endless.between(self.top_m.unwrap_or(endless.top_m), self.bottom_m.unwrap_or(endless.bottom_m));
-        // In the file as an angle, since people think of a lean in degrees.
+        let unlimited = Bar::upright(self.bearing, self.depth_m, self.width_m, self.level);
+        let bar = unlimited.between(self.top_m.unwrap_or(unlimited.top_m), self.bottom_m.unwrap_or(unlimited.bottom_m));
         bar.leaning(self.lean_deg.to_radians().tan() as f32)
     }
 

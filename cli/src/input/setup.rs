@@ -6,22 +6,27 @@ use anyhow::{Context, Error, Result, anyhow};
 use shutter_range::{
     Camera, Distortion, Intrinsics, MotionBlur, ParameterError, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
 };
-use toml::Table;
 
+use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
 use super::keys::{KEYS, Section, refuse_unknown};
 use super::size::Size;
+use super::toml_file;
 
-/// What a setup file says.
+/// Every key with its comment takes a few kilobytes.
+const LIMIT: Limit<'_> = Limit { bytes: MEBIBYTE, rule: "a setup must have at most" };
+
 pub(crate) struct SetupFile {
+    /// The file itself.
+    pub(crate) text: String,
     pub(crate) setup: Setup<f64>,
     pub(crate) motion: Twist<f64>,
-    /// Noise of edges that come without their own.
+    /// Noise of edge points that come without their own.
     pub(crate) sigma_column_px: f64,
     pub(crate) optics: Optics,
 }
 
-/// What blurs edges, as far as it is known.
+/// What is known of the blur of edges.
 #[derive(Clone, Copy)]
 pub(crate) struct Optics {
     pub(crate) exposure_s: Option<f64>,
@@ -30,15 +35,15 @@ pub(crate) struct Optics {
 }
 
 impl SetupFile {
-    /// Of the camera's image.
+    /// The size of the camera's image.
     pub(crate) fn size(&self) -> Size {
         let image = self.setup.camera().intrinsics();
         Size { columns: image.columns.into(), rows: image.rows.into() }
     }
 }
 
-/// Noise that is larger says nothing, in any image.
-pub(crate) const SIGMA_PX: Bounds = Bounds::above_zero(1000.0, "pixels, one standard deviation");
+/// A column that is noisier says nothing.
+pub(crate) const SIGMA_PX: Bounds = Bounds::above_zero(256.0, "pixels, one standard deviation");
 const SIZE: Bounds = Bounds::whole(1.0, 32_767.0, "pixels");
 const RELATIVE: Bounds = Bounds::number(0.0, 1.0, "relative, one standard deviation");
 const DEGREES: Bounds = Bounds::number(0.0, 45.0, "degrees, one standard deviation");
@@ -52,19 +57,18 @@ pub(crate) fn load(path: &Path) -> Result<SetupFile> {
     load_with(path, None)
 }
 
-/// For use with a trajectory, which replaces the velocity: the file may leave it out.
+/// The same, but the file may leave out the velocity: a trajectory replaces it.
 pub(crate) fn load_without_velocity(path: &Path) -> Result<SetupFile> {
     load_with(path, Some([0.0; 3]))
 }
 
 fn load_with(path: &Path, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
-    parse(&text, default_velocity_m_s).with_context(|| path.display().to_string())
+    let text = bounded_read::read_text(path, &LIMIT)?;
+    parse(text, default_velocity_m_s).with_context(|| path.display().to_string())
 }
 
-fn parse(text: &str, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
-    let text = text.trim_start_matches('\u{feff}');
-    let file: Table = toml::from_str(text).map_err(|error| syntax(text, &error))?;
+fn parse(text: String, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
+    let file = toml_file::parse(&text)?;
     refuse_unknown(&file)?;
     let camera = Section::of(&file, "camera");
     let motion = Section::of(&file, "motion");
@@ -73,32 +77,25 @@ fn parse(text: &str, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile
     let setup =
         Setup::new(lens(&camera)?, readout(&camera)?)?.with_uncertainty(uncertainty(&camera, &motion, &attitude)?);
     Ok(SetupFile {
-        setup: with_optics(setup.map_err(dotted)?, &optics)?,
+        text,
+        setup: with_optics(setup.map_err(by_its_key)?, &optics)?,
         motion: twist(&motion, &attitude, default_velocity_m_s)?,
         sigma_column_px: camera.number("sigma_column_px", SIGMA_PX)?.unwrap_or(0.1),
         optics,
     })
 }
 
-/// The one place where the library is told of exposure and blur.
 fn with_optics(setup: Setup<f64>, optics: &Optics) -> Result<Setup<f64>> {
     let Some(exposure_s) = optics.exposure_s else { return Ok(setup) };
     let motion_blur = match optics.lens_blur_px {
         Some(lens_blur_px) => MotionBlur::from_calibrated_lens(exposure_s, lens_blur_px),
         None => MotionBlur::from_exposure(exposure_s),
     };
-    setup.with_motion_blur(motion_blur).map_err(dotted)
+    setup.with_motion_blur(motion_blur).map_err(by_its_key)
 }
 
-/// TOML's own message spans lines; one is enough with the line's number.
-pub(crate) fn syntax(text: &str, error: &toml::de::Error) -> Error {
-    let before = error.span().and_then(|span| text.get(..span.start));
-    let line = before.map_or(1, |before| before.matches('\n').count() + 1);
-    anyhow!("line {line}: {}", error.message())
-}
-
-/// A parameter that the library refuses, under its name in the file.
-fn dotted(error: ParameterError) -> Error {
+/// A parameter that the library refuses, under its key in the file.
+fn by_its_key(error: ParameterError) -> Error {
     let name = error.parameter;
     if name == "distortion" {
         return anyhow!("`camera.distortion` folds over at radius {:.3}: it must be {}", error.value, error.expected);
@@ -130,7 +127,7 @@ fn lens(section: &Section<'_>) -> Result<Camera<f64>> {
     let coefficient = Bounds::number(-1000.0, 1000.0, "coefficient of distortion");
     let coefficients = section.numbers("distortion", coefficient, "k1, k2, p1, p2, k3 (OpenCV's order)")?;
     let distortion = coefficients.map_or(Distortion::NONE, Distortion::from_opencv);
-    Camera::new(intrinsics, distortion).map_err(dotted)
+    Camera::new(intrinsics, distortion).map_err(by_its_key)
 }
 
 fn focal_length_px(section: &Section<'_>) -> Result<f64> {
@@ -195,5 +192,5 @@ fn twist(motion: &Section<'_>, attitude: &Section<'_>, default_velocity_m_s: Opt
         velocity_m_s.ok_or_else(|| motion.refuse("velocity_m_s", format_args!("3 numbers: {velocity}")))?;
     let rate_rad_s = motion.numbers("rate_rad_s", RATE, "about x, y, z (rad/s)")?.unwrap_or([0.0; 3]);
     let gravity = attitude.numbers("gravity", DIRECTION, "the direction of down in x, y, z")?;
-    Twist::new(velocity_m_s, rate_rad_s, gravity.unwrap_or([0.0, 1.0, 0.0])).map_err(dotted)
+    Twist::new(velocity_m_s, rate_rad_s, gravity.unwrap_or([0.0, 1.0, 0.0])).map_err(by_its_key)
 }

@@ -1,4 +1,4 @@
-//! [`Size`]: of an image.
+//! [`Size`]: that of an image in pixels.
 
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
@@ -7,6 +7,12 @@ use std::str::FromStr;
 pub(crate) struct Size {
     pub(crate) columns: u32,
     pub(crate) rows: u32,
+}
+
+impl Size {
+    pub(crate) fn pixels(self) -> u64 {
+        u64::from(self.columns) * u64::from(self.rows)
+    }
 }
 
 impl FromStr for Size {

@@ -4,37 +4,44 @@
 use anyhow::{Error, Result, anyhow, bail};
 
 use super::bounds::Bounds;
-use super::nearest::nearest;
+use super::nearest::{list, nearest};
 
-/// What a header may name, and what it must.
+/// The columns that a header may name, and those that it must.
 pub(crate) struct Columns {
     pub(crate) known: &'static [&'static str],
     pub(crate) required: &'static [&'static str],
 }
 
 pub(crate) struct TableFile<'a> {
+    text: &'a str,
+    /// Line of the header, from 1.
+    header_at: usize,
     header: Header,
-    lines: Vec<(usize, &'a str)>,
 }
 
 impl<'a> TableFile<'a> {
     pub(crate) fn parse(text: &'a str, columns: &Columns) -> Result<Self> {
         let text = text.trim_start_matches('\u{feff}');
-        let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !is_blank(line));
-        let Some((at, first)) = lines.next() else {
+        let Some((header_at, line)) = lines(text).next() else {
             bail!("the file is empty: it must begin with a header such as `{}`", columns.required.join(","));
         };
-        let header = Header::parse(first, columns).map_err(|error| anyhow!("line {at}: {error}"))?;
-        Ok(Self { header, lines: lines.collect() })
+        let header = Header::parse(line, columns).map_err(|error| anyhow!("line {header_at}: {error}"))?;
+        Ok(Self { text, header_at, header })
     }
 
     pub(crate) fn has(&self, column: &str) -> bool {
-        self.header.place(column).is_some()
+        self.header.position(column).is_some()
     }
 
     pub(crate) fn records(&self) -> impl Iterator<Item = Result<Record<'_>>> {
-        self.lines.iter().map(|(at, line)| Record::cut(*at, line, &self.header))
+        let records = lines(self.text).skip_while(|(at, _)| *at <= self.header_at);
+        records.map(|(at, line)| Record::split(at, line, &self.header))
     }
+}
+
+/// The lines of a text that are not blank, with their numbers from 1.
+fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    (1..).zip(text.lines()).filter(|(_, line)| !is_blank(line))
 }
 
 /// Spreadsheets write a blank line as separators alone.
@@ -42,12 +49,12 @@ fn is_blank(line: &str) -> bool {
     line.chars().all(|c| c == ',' || c.is_whitespace())
 }
 
-/// No value of ours contains a comma, so that quotes are mere decoration.
+/// No value may contain a comma, so that quotes have no meaning.
 fn cells(line: &str) -> impl Iterator<Item = &str> {
     line.split(',').map(|cell| cell.trim().trim_matches('"').trim())
 }
 
-/// Which column is where.
+/// The columns in their order.
 struct Header {
     names: Vec<&'static str>,
 }
@@ -65,16 +72,12 @@ impl Header {
             names.push(known);
         }
         match columns.required.iter().find(|name| !names.contains(name)) {
-            Some(missing) => {
-                let all = columns.required.join("`, `");
-                let all = all.rsplit_once(", ").map_or(all.clone(), |(others, last)| format!("{others} and {last}"));
-                bail!("column `{missing}` is missing: the header must name `{all}`")
-            }
+            Some(missing) => bail!("column `{missing}` is missing: the header must name {}", list(columns.required)),
             None => Ok(Self { names }),
         }
     }
 
-    fn place(&self, column: &str) -> Option<usize> {
+    fn position(&self, column: &str) -> Option<usize> {
         self.names.iter().position(|name| *name == column)
     }
 }
@@ -87,10 +90,13 @@ fn unknown_column(name: &str, line: &str, columns: &Columns) -> Error {
         let example = columns.required.join(",");
         return anyhow!("the header begins with `{name}`: the first line must name the columns, such as `{example}`");
     }
-    anyhow!("unknown column `{name}`; the nearest is `{}`", nearest(name, columns.known).unwrap_or_default())
+    match nearest(name, columns.known) {
+        Some(nearest) => anyhow!("unknown column `{name}`; the nearest is `{nearest}`"),
+        None => anyhow!("unknown column `{name}`; the columns are {}", list(columns.known)),
+    }
 }
 
-/// A line of the file, cut into cells.
+/// A line of the file, split into cells.
 pub(crate) struct Record<'a> {
     /// Its number, from 1.
     pub(crate) at: usize,
@@ -99,7 +105,7 @@ pub(crate) struct Record<'a> {
 }
 
 impl<'a> Record<'a> {
-    fn cut(at: usize, line: &'a str, header: &'a Header) -> Result<Self> {
+    fn split(at: usize, line: &'a str, header: &'a Header) -> Result<Self> {
         let cells: Vec<_> = cells(line).collect();
         let (found, named) = (cells.len(), header.names.len());
         if found != named {
@@ -110,7 +116,7 @@ impl<'a> Record<'a> {
 
     /// `None` where there is no such column or the cell is empty.
     pub(crate) fn cell(&self, column: &str) -> Option<&'a str> {
-        let cell = self.cells.get(self.header.place(column)?)?;
+        let cell = self.cells.get(self.header.position(column)?)?;
         (!cell.is_empty()).then_some(cell)
     }
 

@@ -4,20 +4,24 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 
+use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
 use super::setup::{DIRECTION, RATE, SPEED};
 use super::table_file::{Columns, Record, TableFile};
 
-/// In the camera's axes at that instant.
+/// In the axes of the camera at this instant.
 #[derive(Clone, Copy)]
 pub(crate) struct Sample {
     /// Since the start of the first frame.
     pub(crate) time_ns: i64,
     pub(crate) velocity_m_s: [f64; 3],
     pub(crate) rate_rad_s: [f64; 3],
-    /// Where the file has it.
+    /// `None` where the file has no columns for it.
     pub(crate) gravity: Option<[f64; 3]>,
 }
+
+/// More than two million samples: 40 minutes at 1 kHz.
+const LIMIT: Limit<'_> = Limit { bytes: 256 * MEBIBYTE, rule: "a trajectory must have at most" };
 
 const VELOCITY: [&str; 3] = ["vx", "vy", "vz"];
 const ROTATION: [&str; 3] = ["wx", "wy", "wz"];
@@ -26,12 +30,12 @@ const COLUMNS: Columns = Columns {
     known: &["time_s", "vx", "vy", "vz", "wx", "wy", "wz", "gx", "gy", "gz"],
     required: &["time_s", "vx", "vy", "vz", "wx", "wy", "wz"],
 };
-/// Eleven days; also keeps out times of the day, which would not be those of the frames.
+/// Eleven days, which excludes seconds since 1970: those are not on the clock of the frames.
 const TIME: Bounds = Bounds::number(-1e6, 1e6, "seconds since the start of the first frame");
 
 /// At least two samples, in the order of time.
 pub(crate) fn load(path: &Path) -> Result<Vec<Sample>> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("reading {}", path.display()))?;
+    let text = bounded_read::read_text(path, &LIMIT)?;
     parse(&text).with_context(|| path.display().to_string())
 }
 

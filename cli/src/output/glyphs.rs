@@ -1,9 +1,9 @@
-//! The characters of distances, 5 × 7 pixels each: no font file for so few.
+//! The characters of a depth, 5 × 7 pixels each: too few for a font file.
 
 pub(crate) const WIDTH: u32 = 5;
 pub(crate) const HEIGHT: u32 = 7;
 
-/// Rows of a character from the top; `#` is ink. Unknown characters are blank.
+/// Rows of a character from the top, with `#` where a pixel is set. Unknown characters are blank.
 pub(crate) fn rows(character: char) -> [&'static str; HEIGHT as usize] {
     let glyph = GLYPHS.iter().find(|(known, _)| *known == character);
     glyph.map_or(["....."; HEIGHT as usize], |(_, rows)| *rows)

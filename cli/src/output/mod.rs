@@ -1,5 +1,6 @@
-//! What is told: reports, tables, overlays, progress.
+//! Results out: reports, tables, overlays, simulated frames, and progress.
 
+pub(crate) mod safe_file;
 pub(crate) mod rounding;
 pub(crate) mod text_table;
 pub(crate) mod glyphs;
@@ -9,4 +10,5 @@ pub(crate) mod terminal;
 pub(crate) mod report;
 pub(crate) mod range_table;
 pub(crate) mod truth;
+pub(crate) mod simulation_folder;
 pub(crate) mod overlay;

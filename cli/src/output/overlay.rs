@@ -1,31 +1,37 @@
-//! Overlays: each edge with its distance over the picture it was found in.
+//! Overlays: each edge with its depth over the picture that shows it.
 
 use std::collections::HashMap;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use image::{Rgb, RgbImage};
+use image::{ImageFormat, Rgb, RgbImage};
 use shutter_range::RangeStatus;
 
-use super::canvas::{Canvas, Frame};
+use super::canvas::{Canvas, Rectangle};
 use super::report::RangeReport;
 use super::rounding::{at_least, with_sigma};
+use super::safe_file;
+use crate::input::file_identity::FileIdentity;
 
 /// Where the overlays of frames go: for one frame to `out`, for several to `out` with the stem of the frame's name.
-/// Refuses to write one over another or over a frame.
-pub(crate) fn paths(files: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBuf>, String> {
+/// Refuses to replace a frame, and to write two overlays to the same file.
+pub(crate) fn paths(frames: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBuf>, String> {
     let Some(out) = out else { return Ok(Vec::new()) };
-    let paths: Vec<PathBuf> = match files {
+    let paths: Vec<PathBuf> = match frames {
         [_] => vec![out.to_path_buf()],
-        _ => files.iter().map(|file| with_stem(out, file)).collect(),
+        _ => frames.iter().map(|frame| with_stem(out, frame)).collect(),
     };
-    let mut taken: HashMap<&PathBuf, &PathBuf> = HashMap::new();
-    for (path, file) in paths.iter().zip(files) {
-        if let Some(frame) = files.iter().find(|frame| is_same(frame, path)) {
-            return Err(format!("--overlay would replace the frame {}", frame.display()));
+    let inputs: HashMap<_, _> = frames.iter().map(|frame| (FileIdentity::of(frame), frame)).collect();
+    let mut outputs = HashMap::new();
+    for (path, frame) in paths.iter().zip(frames) {
+        let identity = FileIdentity::of(path);
+        if let Some(input) = inputs.get(&identity) {
+            let (input, path) = (input.display(), path.display());
+            return Err(format!("--overlay would replace the frame {input}: {path} is the same file"));
         }
-        if let Some(other) = taken.insert(path, file) {
-            let (a, b, path) = (other.display(), file.display(), path.display());
+        if let Some(other) = outputs.insert(identity, frame) {
+            let (a, b, path) = (other.display(), frame.display(), path.display());
             return Err(format!("--overlay would write {a} and {b} to the same file, {path}"));
         }
     }
@@ -40,16 +46,10 @@ fn with_stem(out: &Path, frame: &Path) -> PathBuf {
     out.with_file_name(name)
 }
 
-fn is_same(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => a == b,
-    }
-}
-
 pub(crate) fn write(path: &Path, picture: RgbImage, ranges: &[RangeReport]) -> Result<()> {
-    let picture = draw(picture, ranges);
-    picture.save(path).with_context(|| format!("writing {}", path.display()))
+    let mut file = Cursor::new(Vec::new());
+    draw(picture, ranges).write_to(&mut file, ImageFormat::Png).context("encoding a PNG")?;
+    safe_file::write(path, file.get_ref()).with_context(|| format!("writing {}", path.display()))
 }
 
 fn draw(picture: RgbImage, ranges: &[RangeReport]) -> RgbImage {
@@ -60,12 +60,12 @@ fn draw(picture: RgbImage, ranges: &[RangeReport]) -> RgbImage {
         canvas.line(from, to, width, colour(range.status));
     }
     // Labels after all lines, so that no line crosses one.
-    let mut taken = Vec::new();
+    let mut labels = Vec::new();
     for range in ranges {
-        let Some(label) = label(range) else { continue };
-        let place = place(&canvas, range, &label, &Obstacles { ranges, labels: &taken });
-        canvas.text(&label, &place, colour(range.status));
-        taken.push(place);
+        let Some(text) = label(range) else { continue };
+        let area = label_area(&canvas, range, &text, &Obstacles { ranges, labels: &labels });
+        canvas.label(&text, &area, colour(range.status));
+        labels.push(area);
     }
     canvas.into_picture()
 }
@@ -96,23 +96,23 @@ fn label(range: &RangeReport) -> Option<String> {
     }
 }
 
-/// What a label should leave to be seen.
+/// What a label should not cover.
 struct Obstacles<'a> {
     ranges: &'a [RangeReport],
-    labels: &'a [Frame],
+    labels: &'a [Rectangle],
 }
 
 impl Obstacles<'_> {
-    fn labels_overlap(&self, place: &Frame) -> bool {
-        self.labels.iter().any(|label| label.overlaps(place))
+    fn labels_overlap(&self, area: &Rectangle) -> bool {
+        self.labels.iter().any(|label| label.overlaps(area))
     }
 
-    fn edges_cross(&self, place: &Frame) -> bool {
+    fn edges_cross(&self, area: &Rectangle) -> bool {
         self.ranges.iter().any(|range| {
-            let rows = i64::from(range.first_row).max(place.top)..=i64::from(range.last_row).min(place.bottom);
+            let rows = i64::from(range.first_row).max(area.top)..=i64::from(range.last_row).min(area.bottom);
             [*rows.start(), *rows.end()]
                 .iter()
-                .any(|row| !rows.is_empty() && (place.left..=place.right).contains(&column_at(range, *row)))
+                .any(|row| !rows.is_empty() && (area.left..=area.right).contains(&column_at(range, *row)))
         })
     }
 }
@@ -124,10 +124,10 @@ fn column_at(range: &RangeReport, row: i64) -> i64 {
     (from + (to - from) * part).round() as i64
 }
 
-/// Beside the edge, as near to its middle as there is room in the picture between the other labels and, if possible, the
-/// other edges; in the middle where there is no room at all.
-fn place(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacles<'_>) -> Frame {
-    let (width, height) = canvas.room(label);
+/// The nearest area to the middle of the edge that is in the picture and covers no other label and, if possible, no other
+/// edge. If there is none, it is beside the middle.
+fn label_area(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacles<'_>) -> Rectangle {
+    let (width, height) = canvas.label_size(label);
     let (first_row, last_row) = (i64::from(range.first_row), i64::from(range.last_row));
     let middle = (first_row + last_row) / 2;
     let gap = 3 * canvas.scale();
@@ -135,12 +135,12 @@ fn place(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacle
         let column = column_at(range, row);
         let left = if is_right { column + gap } else { column - gap - width };
         let top = row - height / 2;
-        Frame { left, top, right: left + width, bottom: top + height }
+        Rectangle { left, top, right: left + width, bottom: top + height }
     };
     let steps = (last_row - first_row) / (2 * height);
     let rows = (0..=steps).flat_map(|step| [middle - step * height, middle + step * height]);
-    let places = rows.flat_map(|row| [beside(row, true), beside(row, false)]);
-    let inside = places.filter(|place| place.is_within(&canvas.frame()) && !obstacles.labels_overlap(place));
-    let mut clear = inside.clone().filter(|place| !obstacles.edges_cross(place));
-    clear.next().or_else(|| inside.clone().next()).unwrap_or_else(|| beside(middle, true))
+    let areas = rows.flat_map(|row| [beside(row, true), beside(row, false)]);
+    let free = areas.filter(|area| area.is_within(&canvas.bounds()) && !obstacles.labels_overlap(area));
+    let mut clear = free.clone().filter(|area| !obstacles.edges_cross(area));
+    clear.next().or_else(|| free.clone().next()).unwrap_or_else(|| beside(middle, true))
 }

@@ -2,11 +2,11 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Fewer are done before anyone looks.
-const A_FEW: u64 = 5;
+/// A run of this many frames is over in a second.
+const FEW_FRAMES: u64 = 5;
 
 pub(crate) fn bar(frames: u64) -> ProgressBar {
-    if frames <= A_FEW {
+    if frames <= FEW_FRAMES {
         return ProgressBar::hidden();
     }
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");

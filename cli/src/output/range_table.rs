@@ -48,7 +48,7 @@ fn write_frame(frame: &Frame, colours: bool, text: &mut String) {
     }
     if frame.dropped_edges > 0 || frame.dropped_lines > 0 {
         let (edges, lines) = (frame.dropped_edges, frame.dropped_lines);
-        let _ = writeln!(text, "dropped for want of room: {edges} edge points, {lines} lines");
+        let _ = writeln!(text, "dropped because the tables were full: {edges} edge points, {lines} lines");
     }
 }
 

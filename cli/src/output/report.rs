@@ -1,4 +1,4 @@
-//! What is told of frames and their ranges. The names and their order are an interface: scripts read them as JSON.
+//! Frames and their ranges as they are reported. Names and their order are an interface: scripts read them as JSON.
 
 use serde::{Serialize, Serializer};
 use shutter_range::{Counters, ErrorSource, Polarity, Range, RangeStatus, Sigmas};
@@ -13,9 +13,9 @@ pub(crate) struct Frame {
     pub(crate) name: String,
     pub(crate) torn: bool,
     pub(crate) ranges: Vec<RangeReport>,
-    /// Edge points that came in: those of the ranges, and the stray and the dropped ones.
+    /// Edge points that came in: the sum of those of the ranges, the stray and the dropped ones.
     pub(crate) edges: u32,
-    /// Edge points that became part of no line.
+    /// Edge points that belong to no line.
     pub(crate) stray_edges: u32,
     pub(crate) dropped_edges: u32,
     pub(crate) dropped_lines: u32,
@@ -39,24 +39,24 @@ pub(crate) struct RangeReport {
     pub(crate) polarity: Option<&'static str>,
     #[serde(serialize_with = "by_name")]
     pub(crate) status: RangeStatus,
-    /// The same for the same edge in all frames of a sequence; null outside one, and for what is not followed.
+    /// The same for an edge in all frames of a sequence; null for an edge that is not tracked from frame to frame.
     pub(crate) line_id: Option<u32>,
-    /// Number of frames that the values rest on.
+    /// Number of frames that the values were estimated from.
     pub(crate) frames: u32,
     pub(crate) tilt_deg: f64,
     pub(crate) sigma_tilt_deg: f64,
-    /// The part of the depth's relative sigma that all edges of the frame have in common.
+    /// The correlated part of the depth's relative sigma: that of errors that all edges of the frame share.
     pub(crate) sigma_common: Option<f64>,
-    /// Where most of sigma comes from.
+    /// The source of most of sigma.
     pub(crate) dominant: &'static str,
-    /// Of `edges`, those that the values rest on.
+    /// How many of `edges` the values were estimated from: all but the outliers.
     pub(crate) edges_used: u16,
-    /// Residuals in units of the stated noise.
+    /// Goodness of fit: residuals in units of their stated noise.
     pub(crate) misfit: f64,
 }
 
 impl Frame {
-    /// Ranges are told from left to right, wherever they ended.
+    /// With the ranges from left to right, whatever the order in which the lines ended.
     pub(crate) fn new(name: String, ranges: &mut [Range<f64>], counters: Counters) -> Self {
         ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
         Self {

@@ -5,7 +5,7 @@ use std::io::{self, ErrorKind, IsTerminal, Write};
 use anyhow::{Context, Error, Result};
 use serde::Serialize;
 
-/// Whether standard output shows colours: a terminal, unless told otherwise (<https://no-color.org>).
+/// Whether standard output is a terminal that shows colours and the user wants them (<https://no-color.org>).
 pub(crate) fn colours() -> bool {
     let unwanted = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
@@ -27,9 +27,9 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Tells standard error, on one line.
+/// Writes one line to standard error.
 pub(crate) fn error(error: &Error) {
     let message = format!("{error:#}").replace('\n', " ");
-    // Nothing is left to tell, should standard error be closed.
+    // If standard error is closed, there is no other place to report that.
     let _ = writeln!(io::stderr(), "error: {message}");
 }

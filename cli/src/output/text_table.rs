@@ -24,7 +24,7 @@ impl Colour {
     }
 }
 
-/// Right-aligned cells, the last column left-aligned, since words stand there.
+/// Right-aligned columns of numbers, and a last column of words, left-aligned.
 pub(crate) struct TextTable {
     colours: bool,
     rows: Vec<(Vec<String>, Colour)>,
@@ -35,7 +35,7 @@ impl TextTable {
         Self { colours, rows: vec![(headings.map(String::from).into(), Colour::Plain)] }
     }
 
-    /// Adds a row whose last cell has the colour.
+    /// Adds a row. The colour is that of its last cell.
     pub(crate) fn row<const N: usize>(&mut self, cells: [String; N], colour: Colour) {
         self.rows.push((cells.into(), colour));
     }
@@ -58,7 +58,7 @@ impl TextTable {
         }
     }
 
-    /// Characters, not bytes: cells have signs like ± and ∞.
+    /// Counts characters, not bytes, since cells contain ± and ∞.
     fn widths(&self) -> Vec<usize> {
         let columns = self.rows.first().map_or(0, |(cells, _)| cells.len());
         let width = |column: usize| {

@@ -1,4 +1,4 @@
-//! What is told of simulated frames: the names are those of the ranges, so that they can be compared.
+//! The truth about simulated frames. Values have the names that they have in ranges, so that they can be compared.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -16,7 +16,7 @@ pub(crate) struct TruthDocument {
     pub(crate) frames: Vec<TruthFrame>,
 }
 
-/// One frame; motion and edges are in the axes of its own start.
+/// Motion and edges are in the axes of the camera at the start of this frame.
 #[derive(Serialize)]
 pub(crate) struct TruthFrame {
     name: String,
@@ -34,7 +34,7 @@ struct TruthEdge {
     depth_m: f64,
     first_row: u16,
     last_row: u16,
-    /// Fewer than from first to last where something nearer hides some.
+    /// Less than all rows from first to last, if a nearer object hides some.
     visible_rows: u16,
     polarity: Option<&'static str>,
     upright: bool,
@@ -42,7 +42,7 @@ struct TruthEdge {
 }
 
 impl TruthFrame {
-    /// Edges are told from left to right.
+    /// With the edges from left to right.
     pub(crate) fn new(name: String, start_s: f64, motion: &Twist<f32>, truth: impl Iterator<Item = Truth>) -> Self {
         let mut edges: Vec<_> = truth.map(|edge| TruthEdge::new(&edge)).collect();
         edges.sort_by(|a, b| a.bearing.total_cmp(&b.bearing));
@@ -75,17 +75,16 @@ pub(crate) fn text(document: &TruthDocument, folder: &Path, colours: bool) -> St
             text.push_str("no edges\n\n");
             continue;
         }
-        let mut table = TextTable::new(["bearing", "depth (m)", "rows", "visible", "polarity", "stands"], colours);
+        let mut table = TextTable::new(["bearing", "depth (m)", "rows", "visible", "polarity", "lean"], colours);
         for edge in &frame.edges {
-            let stands =
-                if edge.upright { "upright".to_string() } else { format!("leaning {:+.2} deg", edge.lean_deg) };
+            let lean = if edge.upright { "upright".to_string() } else { format!("leaning {:+.2} deg", edge.lean_deg) };
             let cells = [
                 format!("{:+.4}", edge.bearing),
                 format!("{:.3}", edge.depth_m),
                 format!("{}-{}", edge.first_row, edge.last_row),
                 edge.visible_rows.to_string(),
                 edge.polarity.unwrap_or("-").to_string(),
-                stands,
+                lean,
             ];
             table.row(cells, if edge.upright { Colour::Plain } else { Colour::Yellow });
         }

@@ -1,5 +1,5 @@
-//! From what came in to ranges, through the library: motion, tracking, and what goes on from frame to frame.
+//! Ranges from edge points, through the library: lines, the motion of the camera, and the sequence of frames.
 
 pub(crate) mod tracking;
-pub(crate) mod course;
-pub(crate) mod sequel;
+pub(crate) mod camera_motion;
+pub(crate) mod frame_sequence;

@@ -1,16 +1,16 @@
-//! Edges that say nothing of what they belong to: through the library's ranger, as firmware would.
+//! Edge points that do not say which line they belong to: the library's tracker finds the lines.
 
 use std::collections::HashSet;
 
 use anyhow::{Error, Result, anyhow};
 use shutter_range::{Counters, EdgeError, Line, Ranger, Readout, ReadoutDirection, Setup};
 
-use crate::input::edge_file::EdgeRow;
+use crate::input::edge_file::FilePoint;
 
-/// Knots of a line whose edges are known to belong together: memory is no concern here.
+/// Knots of a line: many, since a desktop has the memory.
 pub(crate) const KNOTS: usize = 64;
 
-/// Room for more edges than any row or frame of a scene has.
+/// More lines, and more points on one row, than a scene has.
 type LargeRanger = Ranger<256, KNOTS, 4096>;
 
 #[derive(Default)]
@@ -20,52 +20,52 @@ pub(crate) struct Tracked {
 }
 
 /// The lines of one frame.
-pub(crate) fn track(mut rows: Vec<EdgeRow>, setup: &Setup<f64>) -> Result<Tracked> {
-    if rows.is_empty() {
+pub(crate) fn track(mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Tracked> {
+    if points.is_empty() {
         return Ok(Tracked::default());
     }
-    let setup = patient(setup, &rows)?;
+    let setup = with_limits_for_sparse_rows(setup, &points)?;
     let readout = setup.readout();
-    rows.sort_by_key(|row| (readout.rows_before(row.edge.row), row.edge.column_q16));
-    let step = usual_step(&rows, readout);
+    points.sort_by_key(|point| (readout.rows_before(point.point.row), point.point.column_q16));
+    let step = usual_step(&points, readout);
     let mut ranger = Box::new(LargeRanger::new());
     let mut lines = Vec::new();
     let mut previous: Option<u16> = None;
-    for of_row in rows.chunk_by(|a, b| a.edge.row == b.edge.row) {
-        let Some(first) = of_row.first() else { continue };
+    for row_points in points.chunk_by(|a, b| a.point.row == b.point.row) {
+        let Some(first) = row_points.first() else { continue };
         if let Some(previous) = previous {
-            pass_empty_rows(&mut ranger, &setup, previous, first.edge.row, step)?;
+            end_empty_rows(&mut ranger, &setup, previous, first.point.row, step)?;
         }
-        for row in of_row {
-            let taken = ranger.edge_point(&setup, row.edge);
-            taken.map_err(|error| refused(row, previous, error))?;
+        for point in row_points {
+            let taken = ranger.edge_point(&setup, point.point);
+            taken.map_err(|error| refused(point, previous, error))?;
         }
         lines.extend(std::iter::from_fn(|| ranger.next_line()));
-        previous = Some(first.edge.row);
+        previous = Some(first.point.row);
     }
     ranger.end_frame(&setup);
     lines.extend(std::iter::from_fn(|| ranger.next_line()));
     Ok(Tracked { lines, counters: *ranger.counters() })
 }
 
-/// The setup with limits for rows that may be sparse, or lines that have edges on different ones. The fewer edges a row
-/// has, the longer a line may wait for its next one without taking that of another.
-fn patient(setup: &Setup<f64>, rows: &[EdgeRow]) -> Result<Setup<f64>> {
+/// Where each row has points of only some of the lines, a line is missing from more rows, and must not end there. No more
+/// than needed: over longer gaps it would also take points of its neighbours.
+fn with_limits_for_sparse_rows(setup: &Setup<f64>, points: &[FilePoint]) -> Result<Setup<f64>> {
     let defaults = *setup.limits();
-    let looked_at = rows.iter().map(|row| row.edge.row).collect::<HashSet<_>>().len();
-    let patience = usize::from(defaults.gap_rows) * looked_at / rows.len();
-    let tentative_gap_rows = u16::try_from(patience)?.max(defaults.tentative_gap_rows);
+    let rows = points.iter().map(|point| point.point.row).collect::<HashSet<_>>().len();
+    let gap_rows = usize::from(defaults.gap_rows) * rows / points.len();
+    let tentative_gap_rows = u16::try_from(gap_rows)?.max(defaults.tentative_gap_rows);
     let gap_rows = (3 * tentative_gap_rows).max(defaults.gap_rows);
     let limits = defaults.with_tentative_gap_rows(tentative_gap_rows).with_gap_rows(gap_rows);
     Ok(setup.with_limits(limits)?)
 }
 
-/// Median distance between successive rows that have edges: 1 for a full frame, more where only some rows were looked at.
-fn usual_step(rows: &[EdgeRow], readout: &Readout) -> u16 {
-    let mut steps: Vec<u16> = rows
+/// Median distance between rows that have points: 1 for a full frame, more if only some rows were searched for edges.
+fn usual_step(points: &[FilePoint], readout: &Readout) -> u16 {
+    let mut steps: Vec<u16> = points
         .windows(2)
         .filter_map(|pair| match pair {
-            [a, b] => Some(readout.rows_before(b.edge.row) - readout.rows_before(a.edge.row)),
+            [a, b] => Some(readout.rows_before(b.point.row) - readout.rows_before(a.point.row)),
             _ => None,
         })
         .filter(|step| *step > 0)
@@ -74,9 +74,9 @@ fn usual_step(rows: &[EdgeRow], readout: &Readout) -> u16 {
     steps.get(steps.len() / 2).copied().unwrap_or(1)
 }
 
-/// A file has no entry for a row without edges, but lines end by missing such rows: what lies above the end of one must
-/// not be joined to what lies far below.
-fn pass_empty_rows(ranger: &mut LargeRanger, setup: &Setup<f64>, previous: u16, next: u16, step: u16) -> Result<()> {
+/// A file has no entry for a row without points, but the tracker must know of it: a line ends when it is missing from
+/// enough rows. Otherwise points far below its end would continue it.
+fn end_empty_rows(ranger: &mut LargeRanger, setup: &Setup<f64>, previous: u16, next: u16, step: u16) -> Result<()> {
     let readout = setup.readout();
     let gap = previous.abs_diff(next);
     for number in 1..gap / step {
@@ -89,24 +89,24 @@ fn pass_empty_rows(ranger: &mut LargeRanger, setup: &Setup<f64>, previous: u16, 
     Ok(())
 }
 
-fn refused(row: &EdgeRow, previous: Option<u16>, error: EdgeError) -> Error {
-    let (at, edge) = (row.at, &row.edge);
+fn refused(point: &FilePoint, previous_row: Option<u16>, error: EdgeError) -> Error {
+    let (at, row) = (point.at, point.point.row);
     match error {
         EdgeError::Duplicate { .. } => {
-            let column = edge.column_px::<f64>();
-            anyhow!("line {at}: `row` {}, `column` {column} comes twice, but must come once", edge.row)
+            let column = point.point.column_px::<f64>();
+            anyhow!("line {at}: `row` {row}, `column` {column} comes twice, but must come once")
         }
-        EdgeError::TimeOrder { .. } => anyhow!("line {at}: {}", backwards(row, previous.unwrap_or(edge.row))),
+        EdgeError::TimeOrder { .. } => anyhow!("line {at}: {}", time_order(point, previous_row.unwrap_or(row))),
         other => anyhow!("line {at}: {other}"),
     }
 }
 
-/// Stamps that contradict the order of readout.
-pub(crate) fn backwards(row: &EdgeRow, previous_row: u16) -> String {
+/// The message for times that contradict the order of readout.
+pub(crate) fn time_order(point: &FilePoint, previous_row: u16) -> String {
     format!(
         "`time_s` is {}, earlier than on row {previous_row}, which was read before row {}: \
          check the stamps and `camera.direction`",
-        row.edge.time_ns as f64 * 1e-9,
-        row.edge.row
+        point.point.time_ns as f64 * 1e-9,
+        point.point.row
     )
 }

@@ -94,7 +94,7 @@ fn bottom_to_top() {
     let folder = Folder::new().with("setup.toml", setup).with("up.png", png(painted_by(|row| 479 - row)));
     let document = frame(&folder, &["up.png", "--json"]).json();
     assert_bands(&document["frames"][0], 0.05);
-    // The contrary assumption sees objects that go faster than anything can stand still.
+    // With the wrong direction, the slopes are against the motion.
     let folder = with_setup().with("up.png", png(painted_by(|row| 479 - row)));
     let document = frame(&folder, &["up.png", "--json"]).json();
     assert!(ranges(&document["frames"][0]).iter().all(|range| range["status"] == "inconsistent"), "{document}");
@@ -119,7 +119,7 @@ fn a_bad_file_does_not_stop_the_others() {
     let folder = with_setup().with("a.png", png(painted())).with("b.png", "no picture").with("c.png", png(painted()));
     let outcome = frame(&folder, &["a.png", "b.png", "missing.png", "c.png", "--json"]);
     assert_eq!(outcome.code, 1);
-    let document: Value = serde_json::from_str(&outcome.stdout).expect("one JSON document");
+    let document = outcome.document();
     let names: Vec<_> = document["frames"].as_array().expect("frames").iter().map(|frame| &frame["name"]).collect();
     assert_eq!(names, ["a.png", "c.png"]);
     let errors: Vec<_> = outcome.stderr.lines().collect();
@@ -171,6 +171,29 @@ fn dumps_of_another_size() {
         let message = format!("picture: the file has {bytes} bytes, but --raw 640 × 480 must have 307200\n");
         refuse(vec![128; bytes], &["--raw", "640x480"], &message);
     }
+}
+
+#[test]
+fn a_second_frame_in_a_netpbm_file_is_refused() {
+    let rule =
+        "bytes are left after the first frame, but a file must hold one frame: split it (netpbm's pamsplit does)";
+    let grey = encoded(painted(), ImageFormat::Pnm);
+    let colour = encoded(DynamicImage::from(painted()).into_rgb8(), ImageFormat::Pnm);
+    for frame in [grey, colour] {
+        refuse([&frame[..], &frame].concat(), &[], &format!("picture: {} {rule}\n", frame.len()));
+        refuse([&frame[..], b"\n"].concat(), &[], &format!("picture: 1 {rule}\n"));
+    }
+}
+
+#[test]
+fn a_netpbm_file_of_text_may_end_in_blank_lines() {
+    let numbers = painted().as_raw().iter().map(|grey| format!("{grey}\n")).collect::<String>();
+    let text = format!("P2\n640 480\n255\n{numbers}");
+    assert_bands(&only(text.clone().into_bytes(), &[]), 0.05);
+    assert_bands(&only(format!("{text} \n\n").into_bytes(), &[]), 0.05);
+    let twice = format!("{text}{text}");
+    let left = text.len();
+    refuse(twice.into_bytes(), &[], &format!("picture: {} bytes are left after the first frame", left - 1));
 }
 
 #[test]

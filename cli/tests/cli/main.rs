@@ -1,13 +1,17 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
-mod courses;
 mod edges;
 mod frames;
+mod full_disks;
+mod help;
+mod limits;
 mod overlays;
 mod painting;
 mod reference_lines;
 mod refusals;
 mod sequences;
+mod simulation_folders;
 mod simulations;
 mod table2;
 mod tool;
+mod trajectories;

@@ -74,7 +74,7 @@ fn several_frames_have_one_each() {
 }
 
 #[test]
-fn nothing_is_written_over() {
+fn overlays_that_would_replace_each_other_or_a_frame() {
     let folder = with_frame().with("a.pgm", "").with("seen-a.png", "");
     let outcome = frame(&folder, &["a.png", "a.pgm", "--overlay", "seen.png"]);
     assert_eq!(outcome.code, 2);
@@ -82,6 +82,49 @@ fn nothing_is_written_over() {
     let outcome = frame(&folder, &["a.png", "seen-a.png", "--overlay", "seen.png"]);
     assert_eq!(outcome.code, 2);
     assert!(outcome.stderr.contains("would replace the frame seen-a.png"), "{}", outcome.stderr);
+}
+
+/// However it is spelt.
+#[test]
+fn a_frame_is_never_replaced_by_an_overlay() {
+    let folder = with_frame().with("b.png", png(painted()));
+    folder.make("sub");
+    folder.hard_link("a.png", "hard.png");
+    folder.link("a.png", "soft.png");
+    folder.link("soft.png", "softer.png");
+    let before = folder.read("a.png");
+    for out in ["a.png", "./a.png", "sub/../a.png", "hard.png", "soft.png", "softer.png"] {
+        let outcome = frame(&folder, &["a.png", "--overlay", out]);
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{out}");
+        let message = format!("--overlay would replace the frame a.png: {out} is the same file");
+        assert!(outcome.stderr.contains(&message), "{out}: {}", outcome.stderr);
+    }
+    folder.hard_link("b.png", "seen-a.png");
+    let outcome = frame(&folder, &["a.png", "b.png", "--overlay", "seen.png"]);
+    assert!(
+        outcome.stderr.contains("would replace the frame b.png: seen-a.png is the same file"),
+        "{}",
+        outcome.stderr
+    );
+    assert_eq!((folder.read("a.png"), folder.read("b.png")), (before.clone(), before));
+}
+
+#[test]
+fn two_overlays_are_not_written_to_one_file() {
+    let folder = with_frame().with("b.png", png(painted())).with("seen-a.png", "");
+    folder.link("seen-a.png", "seen-b.png");
+    let outcome = frame(&folder, &["a.png", "b.png", "--overlay", "seen.png"]);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("would write a.png and b.png to the same file, seen-b.png"), "{}", outcome.stderr);
+}
+
+#[test]
+fn an_overlay_replaces_an_earlier_one_also_behind_a_link() {
+    let folder = with_frame().with("earlier.png", "an earlier one");
+    folder.link("earlier.png", "seen.png");
+    assert_eq!(frame(&folder, &["a.png", "--overlay", "seen.png"]).code, 0);
+    assert_eq!(picture(&folder, "earlier.png").dimensions(), (640, 480));
+    assert_eq!(folder.files(), ["a.png", "earlier.png", "seen.png", "setup.toml"]);
 }
 
 #[test]

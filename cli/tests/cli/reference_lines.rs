@@ -86,8 +86,8 @@ impl ReferenceLine {
         assert_eq!(number(range, "edges"), self.rows.len() as f64);
         let top = self.rows.iter().min().expect("rows");
         assert_eq!(number(range, "first_row"), f64::from(*top));
-        let place = self.rows.iter().position(|row| row == top).expect("it is one of them");
-        assert_near(number(range, "column_at_first_row"), self.columns[place], 0.01);
+        let index = self.rows.iter().position(|row| row == top).expect("it is one of them");
+        assert_near(number(range, "column_at_first_row"), self.columns[index], 0.01);
     }
 }
 

@@ -69,6 +69,23 @@ fn unknown_keys_of_a_setup() {
 }
 
 #[test]
+fn keys_that_are_like_none_are_refused_with_the_list() {
+    let attitude = "the keys of [attitude] are `gravity`, `sigma_tilt_deg` and `sigma_gravity_deg`";
+    for key in ["pitch", "down", "x", "тангаж"] {
+        let setup = SETUP.replace("[attitude]", &format!("[attitude]\n\"{key}\" = 1"));
+        let message = format!("setup.toml: unknown key `attitude.{key}`; {attitude}");
+        assert_fails(&Folder::of(&setup, POINTS), &message);
+    }
+    let sections = "the sections are [camera], [motion], [attitude]";
+    refuse_setup("[attitude]", "[lens]", &format!("unknown section [lens]; {sections}"));
+    refuse_setup("[camera]", "gain = 1\n[camera]", &format!("unknown key `gain` outside the sections; {sections}"));
+    let camera = SETUP.replace("fx = 600", "fx = 600\nvendor = \"x\"");
+    let outcome = Folder::of(&camera, POINTS).edges();
+    assert!(outcome.stderr.contains("unknown key `camera.vendor`; the keys of [camera] are `columns`, `rows`, "));
+    assert!(outcome.stderr.contains(" and `sigma_focal`\n"), "{}", outcome.stderr);
+}
+
+#[test]
 fn values_of_a_setup() {
     refuse_setup(
         "fx = 600",
@@ -116,7 +133,7 @@ fn values_of_a_setup() {
     refuse_setup(
         "fx = 600",
         "fx = 600\nsigma_column_px = 0.0",
-        "`camera.sigma_column_px` is 0.0, but must be a number above 0, at most 1000 (pixels, one standard deviation)",
+        "`camera.sigma_column_px` is 0.0, but must be a number above 0, at most 256 (pixels, one standard deviation)",
     );
     refuse_setup(
         "sigma_tilt_deg = 0",
@@ -216,7 +233,7 @@ fn vectors_of_a_setup() {
 }
 
 #[test]
-fn toml_that_is_none() {
+fn files_that_are_not_toml() {
     let outcome = Folder::of(&SETUP.replace("rows = 480", "rows == 480"), POINTS).edges();
     assert_eq!(outcome.code, 1);
     assert!(outcome.stderr.starts_with("error: setup.toml: line 3: "), "{}", outcome.stderr);
@@ -233,6 +250,8 @@ fn headers_of_edges() {
     );
     refuse_edges("row,colum\n", "line 1: unknown column `colum`; the nearest is `column`");
     refuse_edges("row,column,time\n", "line 1: unknown column `time`; the nearest is `time_s`");
+    let columns = "`row`, `column`, `time_s`, `line`, `frame`, `polarity`, `sigma_px` and `width_px`";
+    refuse_edges("row,column,depth\n", &format!("line 1: unknown column `depth`; the columns are {columns}"));
     refuse_edges("\nrow,sigma_px\n", "line 2: column `column` is missing: the header must name `row` and `column`");
     refuse_edges("row,column,row\n", "line 1: column `row` appears twice: each must appear once");
     refuse_edges("row;column\n", "line 1: the header is `row;column`: columns must be separated by commas");
@@ -263,8 +282,14 @@ fn values_of_edges() {
     );
     refuse_edges(
         "row,column,sigma_px\n1,2,0\n",
-        "line 2: `sigma_px` is `0`, but must be a number above 0, at most 1000 (pixels, one standard deviation)",
+        "line 2: `sigma_px` is `0`, but must be a number above 0, at most 256 (pixels, one standard deviation)",
     );
+    let width =
+        "but must be a number from 0 to 255 (pixels, one sigma of the edge's blur; 0 where it was not measured)";
+    for value in ["-1", "256", "nan", "wide"] {
+        let message = format!("line 2: `width_px` is `{value}`, {width}");
+        refuse_edges(&format!("row,column,width_px\n1,2,{value}\n"), &message);
+    }
     refuse_edges("row,column,line\n1,2,a\n", "line 2: `line` is `a`, but must be a whole number");
     refuse_edges("row,column,frame\n1,2,0.5\n", "line 2: `frame` is `0.5`, but must be a whole number");
     refuse_edges("row,column,polarity\n1,2,up\n", "line 2: `polarity` is `up`, but must be rising, falling or empty");
@@ -274,7 +299,7 @@ fn values_of_edges() {
 fn edges_that_contradict_each_other() {
     refuse_edges(
         "row,column,line\n7,2,5\n1,2,5\n7,3,5\n",
-        "lines 2 and 4: `line` 5 has two edges on `row` 7, but must have one: number them as two lines",
+        "lines 2 and 4: `line` 5 has two edge points on `row` 7, but must have one: number them as two lines",
     );
     refuse_edges("row,column\n7,2.5\n1,2\n7,2.5\n", "line 4: `row` 7, `column` 2.5 comes twice, but must come once");
     let backwards = "`time_s` is 0.001, earlier than on row 1, which was read before row 2: check the stamps and \

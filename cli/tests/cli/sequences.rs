@@ -1,4 +1,4 @@
-//! What several frames tell together: names of edges, tilt, and a sigma that falls.
+//! Several frames of the same edges: how they are recognised, their tilt, and a sigma that falls.
 
 use serde_json::Value;
 
@@ -79,7 +79,7 @@ fn frames_on_their_own_have_no_names() {
     }
 }
 
-/// What all edges have in common is told relative to the distance.
+/// The error that all edges share is relative to the depth.
 #[test]
 fn a_speed_that_is_known_to_two_percent() {
     let setup = setup(0.0, "").replace("[motion]\n", "[motion]\nsigma_speed = 0.02\n");
@@ -90,9 +90,9 @@ fn a_speed_that_is_known_to_two_percent() {
     }
 }
 
-/// Where the exposure is known, the blur tells the lean in a single frame.
+/// If the exposure is known, a single frame is enough.
 #[test]
-fn the_blur_tells_the_lean() {
+fn the_blur_measures_the_lean() {
     let (folder, _) = simulated(&setup(0.5, "exposure_s = 0.008\nlens_blur_px = 0.7\n"));
     let blind = setup(0.5, "");
     let relative_error = |folder: &Folder| {

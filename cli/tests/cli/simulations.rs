@@ -2,11 +2,11 @@ use serde_json::Value;
 
 use crate::tool::{Folder, Outcome, SETUP, assert_near, number};
 
-fn simulate(folder: &Folder, rest: &[&str]) -> Outcome {
+pub(crate) fn simulate(folder: &Folder, rest: &[&str]) -> Outcome {
     folder.run(&[&["simulate", "--setup", "setup.toml"], rest].concat())
 }
 
-fn with_setup() -> Folder {
+pub(crate) fn with_setup() -> Folder {
     Folder::new().with("setup.toml", SETUP)
 }
 
@@ -40,9 +40,9 @@ fn list<'a>(value: &'a Value, key: &str) -> &'a [Value] {
 #[test]
 fn what_is_simulated_is_found() {
     let folder = with_setup().with("scene.toml", SCENE);
-    let told = simulate(&folder, &["--out", "out", "--scene", "scene.toml", "--frames", "3", "--json"]).json();
+    let printed = simulate(&folder, &["--out", "out", "--scene", "scene.toml", "--frames", "3", "--json"]).json();
     let written: Value = serde_json::from_slice(&folder.read("out/truth.json")).expect("JSON");
-    assert_eq!(told, written);
+    assert_eq!(printed, written);
     let names = ["frame-0000.png", "frame-0001.png", "frame-0002.png"];
     assert_eq!(folder.files_of("out"), [&names[..], &["scene.toml", "setup.toml", "truth.json"]].concat());
     assert_eq!(folder.read("out/setup.toml"), SETUP.as_bytes());
@@ -50,7 +50,7 @@ fn what_is_simulated_is_found() {
     let files = names.map(|name| format!("out/{name}"));
     let arguments = ["frame", &files[0], &files[1], &files[2], "--setup", "out/setup.toml", "--json"];
     let found = folder.run(&arguments).json();
-    for (number_of_frame, (truth, found)) in list(&told, "frames").iter().zip(list(&found, "frames")).enumerate() {
+    for (number_of_frame, (truth, found)) in list(&printed, "frames").iter().zip(list(&found, "frames")).enumerate() {
         let (edges, ranges) = (list(truth, "edges"), list(found, "ranges"));
         assert_eq!((edges.len(), ranges.len()), (4, 4), "{ranges:?}");
         for ((edge, range), (bearing, depth_m, polarity)) in edges.iter().zip(ranges).zip(POINTS) {
@@ -70,7 +70,7 @@ fn what_is_simulated_is_found() {
 }
 
 #[test]
-fn with_an_exposure_blur_tells_a_lean() {
+fn with_a_known_exposure_the_blur_shows_a_lean() {
     // Leans as if it were three times as near, but is not blurred as much.
     let scene = SCENE.replace("level = 60", "level = 60\nlean_deg = 2");
     let exposed = SETUP.replace("fx = 600", "fx = 600\nexposure_s = 0.01\nlens_blur_px = 0.7");
@@ -93,7 +93,7 @@ fn the_street_has_upright_and_leaning_edges() {
     assert!(edges.len() >= 10, "{edges:?}");
     assert!(edges.iter().any(|edge| edge["upright"] == false && number(edge, "lean_deg").abs() > 1.0));
     assert!(edges.windows(2).all(|pair| number(&pair[0], "bearing") <= number(&pair[1], "bearing")));
-    let text = simulate(&folder, &["--out", "out/street"]).stdout;
+    let text = simulate(&folder, &["--out", "out/street", "--overwrite"]).stdout;
     assert!(text.contains("leaning +2.00 deg") && text.ends_with("1 frame with truth.json in out/street\n"), "{text}");
 }
 
@@ -101,7 +101,7 @@ fn the_street_has_upright_and_leaning_edges() {
 fn a_seed_repeats() {
     let folder = with_setup();
     let picture = |seed| {
-        assert_eq!(simulate(&folder, &["--out", "out", "--seed", seed]).code, 0);
+        assert_eq!(simulate(&folder, &["--out", "out", "--overwrite", "--seed", seed]).code, 0);
         folder.read("out/frame-0000.png")
     };
     let first = picture("7");
@@ -119,7 +119,7 @@ fn an_interval_of_zero_is_the_same_instant() {
 }
 
 #[test]
-fn motion_is_told_in_the_axes_of_each_frame() {
+fn motion_is_in_the_axes_of_each_frame() {
     let turning = SETUP.replace("[motion]", "[motion]\nrate_rad_s = [0, 0, 1.0]");
     let folder = Folder::new().with("setup.toml", turning);
     let truth = simulate(&folder, &["--out", "out", "--frames", "2", "--frame-interval-s", "0.1", "--json"]).json();
@@ -146,7 +146,7 @@ fn refuse_scene(old: &str, new: &str, message: &str) {
 }
 
 #[test]
-fn scenes_that_are_none() {
+fn scenes_that_are_refused() {
     refuse_scene("bearing", "bering", "line 4: unknown field `bering`, expected one of `bearing`, ");
     refuse_scene("depth_m = 2.0\n", "", "line 3: missing field `depth_m`");
     refuse_scene("depth_m = 2.0", "depth_m = 0", "[[bar]] number 1: depth_m is 0, but must be ");
@@ -169,16 +169,6 @@ fn setups_that_cannot_be_simulated() {
     let blurred = SETUP.replace("fx = 600", "fx = 600\nlens_blur_px = 30");
     let message = "setup.toml: `camera.lens_blur_px` is 30, but must be 0 to 20 (px)";
     refuse(&Folder::new().with("setup.toml", blurred), &[], message);
-}
-
-#[test]
-fn other_files_are_left_alone() {
-    let folder = with_setup();
-    let outcome = simulate(&folder, &["--out", "."]);
-    assert_eq!(outcome.code, 1);
-    let expected = "error: . holds other files: --out must be a new or empty folder, or an earlier simulation\n";
-    assert_eq!(outcome.stderr, expected);
-    assert_eq!(folder.files(), ["setup.toml"]);
 }
 
 #[test]

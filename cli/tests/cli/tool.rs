@@ -1,6 +1,6 @@
 //! A folder for input files and a way to run the tool in it.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -44,6 +44,24 @@ impl Folder {
         self
     }
 
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// Makes a folder inside.
+    pub(crate) fn make(&self, name: &str) {
+        fs::create_dir_all(self.path().join(name)).expect("making a folder");
+    }
+
+    /// Makes a symbolic link inside; `to` is a path as seen from here.
+    pub(crate) fn link(&self, to: &str, name: &str) {
+        std::os::unix::fs::symlink(to, self.path().join(name)).expect("making a link");
+    }
+
+    pub(crate) fn hard_link(&self, to: &str, name: &str) {
+        fs::hard_link(self.path().join(to), self.path().join(name)).expect("making a link");
+    }
+
     pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.0.path().join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
@@ -74,6 +92,24 @@ impl Folder {
         // A tool that stops early closes its end.
         let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
         Outcome::new(child.wait_with_output().expect("the tool ends"))
+    }
+
+    pub(crate) fn run_with_input_from(&self, input: File, arguments: &[&str]) -> Outcome {
+        Outcome::new(command(self.0.path(), arguments).stdin(input).output().expect("the tool ends"))
+    }
+
+    pub(crate) fn run_with_output_to(&self, path: &str, arguments: &[&str]) -> Outcome {
+        let output = File::options().write(true).open(path).expect("a place for the output");
+        Outcome::new(command(self.0.path(), arguments).stdout(output).output().expect("the tool ends"))
+    }
+
+    /// Runs the tool where no file may have more than so many blocks of 512 bytes.
+    pub(crate) fn run_with_file_limit(&self, blocks: &str, arguments: &[&str]) -> Outcome {
+        // The signal would end the tool before the error reaches it.
+        let script = "trap '' XFSZ; ulimit -f \"$0\"; exec \"$@\"";
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script, blocks, env!("CARGO_BIN_EXE_shutter-range")]).args(arguments);
+        Outcome::new(shell.current_dir(self.0.path()).output().expect("the tool ends"))
     }
 
     pub(crate) fn edges(&self) -> Outcome {
@@ -110,8 +146,26 @@ impl Outcome {
 
     pub(crate) fn json(&self) -> Value {
         assert_eq!((self.code, self.stderr.as_str()), (0, ""));
-        serde_json::from_str(&self.stdout).expect("one JSON document")
+        self.document()
     }
+
+    /// The document of a run that may have failed for some frames.
+    pub(crate) fn document(&self) -> Value {
+        let document: Value = serde_json::from_str(&self.stdout).expect("one JSON document");
+        for frame in document["frames"].as_array().into_iter().flatten().filter(|frame| frame["edges"].is_u64()) {
+            assert_counts_add_up(frame);
+        }
+        document
+    }
+}
+
+/// Every edge point belongs to a range, or is stray, or was dropped.
+#[track_caller]
+fn assert_counts_add_up(frame: &Value) {
+    let ranges = frame["ranges"].as_array().expect("ranges");
+    let in_ranges: f64 = ranges.iter().map(|range| number(range, "edges")).sum();
+    let elsewhere = number(frame, "stray_edges") + number(frame, "dropped_edges");
+    assert_eq!(number(frame, "edges"), in_ranges + elsewhere, "{frame}");
 }
 
 pub(crate) fn number(value: &Value, key: &str) -> f64 {

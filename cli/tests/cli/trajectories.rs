@@ -192,7 +192,7 @@ fn refuse(trajectory: &str, message: &str) {
 }
 
 #[test]
-fn trajectories_that_are_none() {
+fn trajectories_that_are_refused() {
     let file = |message: &str| format!("drive.csv: {message}");
     refuse("", &file(&format!("the file is empty: it must begin with a header such as `{HEADER}`")));
     let names = "`time_s`, `vx`, `vy`, `vz`, `wx`, `wy` and `wz`";
@@ -246,7 +246,7 @@ fn trajectories_that_do_not_reach() {
         lines[0]
             .starts_with("error: out/frame-0001.png: frame start at 0.1 s: the trajectory has no velocity at 0.2 s")
     );
-    let document: Value = serde_json::from_str(&outcome.stdout).expect("the frames that could be ranged");
+    let document = outcome.document();
     assert_eq!(list(&document, "frames").len(), 1);
 }
 

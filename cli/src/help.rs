@@ -1,0 +1,125 @@
+//! The longer texts of `--help`.
+
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  shutter-range table2
+  shutter-range edges edges.csv --setup camera.toml
+  detect-edges video.mp4 | shutter-range edges - --setup camera.toml --json
+  shutter-range frame frame.png --setup camera.toml --overlay seen.png
+  shutter-range simulate --setup camera.toml --out simulated
+
+Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
+
+pub(crate) fn edges() -> String {
+    [EDGE_COLUMNS, SMALLEST_SETUP, TRAJECTORY, STATUSES, EDGE_EXAMPLES].join("\n\n")
+}
+
+pub(crate) fn frame() -> String {
+    [FRAMES, TRAJECTORY, STATUSES, OVERLAY, FRAME_EXAMPLES].join("\n\n")
+}
+
+const EDGE_COLUMNS: &str = "\
+Columns:
+  row, column   of an edge point, in pixels: row 0 is the top of the image, pixel centres are at whole
+                numbers
+  time_s        middle of the row's exposure since frame start; default: from row and readout
+  line          a whole number: points with the same number are one line; without it, a tracker finds
+                the lines
+  frame         a whole number; frames are independent of each other, or --frame-interval-s apart
+  polarity      rising (dark to bright from left to right) or falling; empty: unknown
+  sigma_px      noise of the column, one standard deviation; default: camera.sigma_column_px of the setup
+  width_px      one sigma of the edge's blur, 0 to 255; 0 or empty: not measured. Beside a known
+                camera.exposure_s it shows which edges lean
+A file has at most 256 MiB.";
+
+const SMALLEST_SETUP: &str = "\
+Smallest setup:
+  [camera]
+  columns = 640
+  rows = 480
+  fx = 600            # pixels
+  readout_s = 0.0333  # whole frame
+  [motion]
+  velocity_m_s = [1.5, 0, 0]  # x right, y down, z forward";
+
+const FRAMES: &str = "\
+Frames must be as the sensor read them: of the setup's size, neither cropped, scaled nor rotated (the
+orientation noted in a JPEG is not applied). Colour is converted to luma, 16 bits to 8. A file holds
+one frame. A file that cannot be read is reported on standard error, the others still give ranges, and
+the exit code is 1.";
+
+const TRAJECTORY: &str = "\
+Trajectory: each line has the velocity (m/s) and the rotation rate (rad/s) of one instant in the axes
+of the camera at that instant; time_s is counted from the start of the first frame, which is the middle
+of the exposure of the row read first. gx,gy,gz is the direction of down in the same axes; without it,
+that of the setup's [attitude] at the start of the first frame, propagated by the rotation. Values are
+interpolated linearly, over gaps of at most three times the usual interval. Uncertainties are those of
+the setup, whose [motion] may leave out the velocity.";
+
+const STATUSES: &str = "\
+Statuses:
+  ok            a straight upright edge, inverse depth above three sigma
+  far           inverse depth within three sigma of zero: only a lower bound of the depth is known
+  slow          the motion says too little: sigma of inverse depth above 0.33 per metre
+  inconsistent  inverse depth below minus three sigma: the slope is against the motion
+  leaning       the edge leans more than its prior allows, by its own fit or its blur
+  moving        several frames show the edge where a static one cannot be
+  bent          no straight line fits
+  cluttered     so many edge points around it that the line may be one by chance
+  short         too few rows
+  sideways      upright edges run along the rows: the camera lies on its side or looks up or down
+Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
+
+const OVERLAY: &str = "\
+Overlay:
+  green, thick  ok: depth and one sigma beside the edge
+  blue, thick   far: lower bound of the depth beside the edge
+  orange, thin  inconsistent, leaning, moving, bent, cluttered or sideways
+  grey, thin    slow or short
+An overlay that is there already is replaced; one that would replace a frame is refused.";
+
+const EDGE_EXAMPLES: &str = "\
+Example:
+  shutter-range edges edges.csv --setup camera.toml --json | jq '.frames[].ranges[].depth_m'";
+
+const FRAME_EXAMPLES: &str = "\
+Examples:
+  shutter-range frame frame.png --setup camera.toml --overlay seen.png
+  shutter-range frame *.jpg --setup camera.toml --overlay seen.png   # seen-0001.png, seen-0002.png, ...
+  shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --trajectory drive.csv
+  shutter-range frame dump.bin --raw 320x240 --setup camera.toml --json";
+
+pub(crate) const SIMULATE: &str = "\
+The camera is that of the setup, a pinhole without distortion, with its exposure_s (default 2 ms) and
+lens_blur_px (default 0.7). It continues with the setup's motion from frame to frame. truth.json has the
+edges of each frame and the camera's motion in the axes at that frame's start. Where the camera turns,
+setup.toml therefore holds for the first frame alone, or for all of them with --frame-interval-s.
+
+The folder must be new or empty. With --overwrite, an earlier simulation in it is replaced; files with
+other names stay. The files appear in the folder when all of them are written. Until then it is
+unchanged, and after an interruption the same command can simply be given again.
+
+A scene:
+  [background]
+  level = 190         # grey level, 0 to 255
+  contrast = 10       # of a smooth random texture; default 0
+  [[bar]]             # up to 64 bars and rails
+  bearing = -0.2      # x/z of its middle
+  depth_m = 3.0
+  width_m = 0.1
+  level = 40
+  top_m = -2.0        # ends, downwards from the camera's height; default: beyond the image
+  bottom_m = 1.2
+  lean_deg = 0.0      # default; positive leans to the left at the top
+  [[rail]]            # horizontal, without ends
+  depth_m = 6.0
+  top_m = 0.9
+  bottom_m = 1.0
+  level = 230
+  [sensor]            # noise: one sigma in grey levels, and variance per grey level
+  read_noise = 1.0
+  shot_gain = 0.05
+
+Example:
+  shutter-range simulate --setup camera.toml --out simulated --frames 10
+  shutter-range frame simulated/frame-*.png --setup simulated/setup.toml --frame-interval-s 0.0333333333";

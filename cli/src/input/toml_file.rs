@@ -1,0 +1,14 @@
+//! TOML with errors of one line.
+
+use anyhow::{Result, anyhow};
+use serde::de::DeserializeOwned;
+
+pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T> {
+    // Some editors begin a file with a byte order mark.
+    let text = text.trim_start_matches('\u{feff}');
+    toml::from_str(text).map_err(|error| {
+        let before = error.span().and_then(|span| text.get(..span.start));
+        let line = before.map_or(1, |before| before.matches('\n').count() + 1);
+        anyhow!("line {line}: {}", error.message())
+    })
+}

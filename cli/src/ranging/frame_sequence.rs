@@ -1,0 +1,81 @@
+//! [`FrameSequence`]: ranges of frame after frame, each on its own or all as one sequence.
+
+use anyhow::Result;
+use shutter_range::{LensBlur, Line, Motion, MotionBlur, Pose, Range, Sequence, Setup};
+
+use super::camera_motion::{CameraMotion, MotionInFrame};
+use super::tracking::KNOTS;
+use crate::input::setup::SetupFile;
+
+/// More edges than a scene has.
+const LANDMARKS: usize = 1024;
+
+pub(crate) struct FrameSequence {
+    setup: Setup<f64>,
+    /// The lens blur as measured so far; `None` where the setup has it, or where no exposure is known.
+    lens: Option<LensBlur<f64>>,
+    /// `None` where frames are independent of each other.
+    sequence: Option<Box<Sequence<f64, LANDMARKS>>>,
+    /// The way from the start of this frame to that of the next: the camera's pose there, and the seconds in between.
+    to_next: Option<(Pose<f64>, f64)>,
+}
+
+impl FrameSequence {
+    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion) -> Self {
+        let is_unknown = file.optics.lens_blur_px.is_none();
+        let lens = file.setup.motion_blur().filter(|_| is_unknown).copied().map(LensBlur::new);
+        let sequence = motion.is_sequence().then(Box::default);
+        Self { setup: file.setup, lens, sequence, to_next: None }
+    }
+
+    pub(crate) fn setup(&self) -> &Setup<f64> {
+        &self.setup
+    }
+
+    /// Begins the next frame; `to_next_s` is how long it is from its start to that of the one after.
+    pub(crate) fn advance(&mut self, motion: &MotionInFrame<'_>, to_next_s: f64) -> Result<()> {
+        let to_this = self.to_next.replace((motion.pose(to_next_s), to_next_s));
+        if let (Some(sequence), Some((pose, elapsed_s))) = (&mut self.sequence, to_this) {
+            sequence.advance(&self.setup, &pose, elapsed_s, motion.gravity())?;
+        }
+        Ok(())
+    }
+
+    /// Forgets the frames so far: how the camera came from there to the next one is not known.
+    pub(crate) fn restart(&mut self) {
+        self.to_next = None;
+        if let Some(sequence) = &mut self.sequence {
+            sequence.clear();
+        }
+    }
+
+    /// The ranges of a frame's lines.
+    pub(crate) fn ranges(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
+        let Some(sequence) = &mut self.sequence else {
+            return self.independent_ranges(motion, lines);
+        };
+        let mut ranges = Vec::new();
+        sequence.lines(&self.setup, motion, lines, |range| ranges.push(range));
+        if let Some(lens) = &mut self.lens {
+            self.setup = with_learned_blur(&self.setup, lens, &ranges)?;
+        }
+        Ok(ranges)
+    }
+
+    /// A single frame measures the lens blur, too: once with the blur assumed, then with that of all lines together.
+    fn independent_ranges(&self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
+        let ranges_with =
+            |setup: &Setup<f64>| lines.iter().map(|line| Range::from_line(setup, motion, line)).collect::<Vec<_>>();
+        let ranges = ranges_with(&self.setup);
+        match self.lens {
+            Some(mut lens) => Ok(ranges_with(&with_learned_blur(&self.setup, &mut lens, &ranges)?)),
+            None => Ok(ranges),
+        }
+    }
+}
+
+fn with_learned_blur(setup: &Setup<f64>, lens: &mut LensBlur<f64>, ranges: &[Range<f64>]) -> Result<Setup<f64>> {
+    ranges.iter().for_each(|range| lens.learn(range));
+    let motion_blur: MotionBlur<f64> = lens.motion_blur();
+    Ok(setup.with_motion_blur(motion_blur)?)
+}
