@@ -3,6 +3,7 @@
 mod distortion;
 mod camera;
 mod readout;
+mod response;
 mod uncertainty;
 mod limits;
 mod motion_blur;
@@ -13,5 +14,6 @@ pub use distortion::Distortion;
 pub use limits::Limits;
 pub use motion_blur::MotionBlur;
 pub use readout::{Readout, ReadoutDirection};
+pub use response::Response;
 pub use setup::Setup;
 pub use uncertainty::Uncertainty;
