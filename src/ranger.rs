@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, Scanner};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::line::{Counters, Line, RowTime, Tracker};
 use crate::motion::Motion;
@@ -145,6 +145,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
                 tracker.count_dropped_point();
             }
         });
+        let pixels = PixelRow { pixels, response: setup.response() };
         tracker.refine(setup.limits(), at, pixels, points);
         tracker.count_points(points.len() as u32);
         tracker.count_clutter(points, self.scanner.is_textured());
@@ -308,7 +309,7 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: &
 
 /// Refines the scanned points that no line explains, as well as a single row allows. Two points that share a window of the
 /// scanner keep their columns, but their widths are not measured.
-fn refine_alone(points: &mut [EdgePoint], pixels: &[u8], noise_q8: u32) {
+fn refine_alone(points: &mut [EdgePoint], pixels: PixelRow<'_>, noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {
