@@ -7,7 +7,7 @@ use super::counters::Counters;
 use super::line::Line;
 use super::track::{RowTime, State, Track};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
-use crate::setup::Limits;
+use crate::setup::{Limits, Readout};
 
 /// The lines of a frame under way: at most `LINES` of `KNOTS` knots each.
 ///
@@ -212,6 +212,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     track.line.mark_as_of_pixels();
                 }
             }
+        }
+    }
+
+    /// Takes the times of all lines of this frame from the readout.
+    pub(crate) fn retime(&mut self, readout: &Readout) {
+        for track in self.tracks.iter_mut().filter_map(Slot::track_mut) {
+            track.line.retime(readout);
         }
     }
 
