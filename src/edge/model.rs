@@ -131,6 +131,13 @@ impl EdgeModel {
         self.levels_q16.map(|level_q16| i64::from(level_q16 >> 8))
     }
 
+    /// Whether one of the levels is so near to the end of the scale that the sensor may have cut its noise, and a part of the
+    /// flank, off: the width is then not that of the blur.
+    fn is_clipped(&self) -> bool {
+        let two_sigma_q8 = 2 * i64::from(self.white_q8);
+        self.levels_q8().into_iter().any(|level_q8| level_q8 + two_sigma_q8 >= 255 << 8)
+    }
+
     fn contrast_q8(&self) -> i32 {
         let [left_q8, right_q8] = self.levels_q8();
         (right_q8 - left_q8) as i32
@@ -192,6 +199,7 @@ impl EdgeModel {
         // The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
         let half_q8 = i64::from(self.blur_q8() / 2);
         let width_q8 = (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16;
+        let width_q8 = if self.is_clipped() { 0 } else { width_q8 };
         self.learn(&fit);
         Some(ScannedPoint {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
