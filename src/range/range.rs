@@ -140,9 +140,9 @@ impl<S: Scalar> Range<S> {
         self.points_used = line.points_in(fitted.inliers.iter().copied());
         let is_by_chance = may_be_by_chance(setup, self, line);
         let leans = leans_too_much(setup, &fitted.estimate, is_single);
-        self.status = status_of(setup, line, &fitted.estimate)
-            .unless(Objection::ToldLean, leans)
-            .unless(Objection::Clutter, is_by_chance);
+        // Frames that agree are evidence enough, however short or cluttered the line is in this one.
+        let status = if is_single { status_of(setup, line, &fitted.estimate) } else { fitted.estimate.status() };
+        self.status = status.unless(Objection::ToldLean, leans).unless(Objection::Clutter, is_single && is_by_chance);
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.

@@ -65,7 +65,7 @@ impl<S: Scalar> FrameTransition<S> {
 }
 
 /// An edge in the axes of the later frame, with what its derivatives need.
-struct Propagated<S> {
+pub(super) struct Propagated<S> {
     line3: Line3<S>,
     /// ρ P of the edge's point in the plane y = 0 of the earlier frame.
     foot: [S; 3],
@@ -79,7 +79,7 @@ struct Propagated<S> {
 }
 
 impl<S: Scalar> Propagated<S> {
-    fn of(line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
+    pub(super) fn of(line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
         let from = [line3.bearing, S::ZERO, S::ONE];
         let foot = transition.turn(sub(from, scale(transition.pose.position_m, line3.inverse_depth)));
         let down = transition.turn(line3.direction());
@@ -99,6 +99,11 @@ impl<S: Scalar> Propagated<S> {
             ..start
         };
         Some(Self { line3, foot, down, along, depth, length })
+    }
+
+    /// Where a place along the old line lies along the new one, in units of the new depth.
+    pub(super) fn along(&self, place: S) -> S {
+        (place + self.along) * self.length / self.depth
     }
 
     /// Change of the new bearing, inverse depth and tilt with small changes of `foot`, `down` and the old inverse depth.
