@@ -159,8 +159,9 @@ impl<S: Scalar> Range<S> {
 
     /// The same under the name that a sequence gives to its edge. `moves`: earlier frames show it where a static edge
     /// cannot be.
-    pub(crate) fn named(self, line_id: u32, frames: u32, moves: bool) -> Self {
-        Self { line_id: Some(line_id), frames, status: self.status.unless(Objection::Motion, moves), ..self }
+    pub(crate) fn named(self, line_id: u32, frames: u32, moves: bool, is_weak: bool) -> Self {
+        let status = self.status.unless(Objection::Motion, moves).unless(Objection::FewFrames, is_weak);
+        Self { line_id: Some(line_id), frames, status, ..self }
     }
 
     /// Depth and its bounds so many sigmas of inverse depth on either side, as [`Estimate::depth`]; no most likely value

@@ -22,6 +22,8 @@ pub enum RangeStatus {
     Leaning,
     /// Several frames show the edge where a static one cannot be.
     Moving,
+    /// In a sequence: the line alone would be refused as cluttered or short, and too few frames agree yet.
+    Tentative,
     /// No straight edge fits.
     Bent,
     /// So many edge points around that this line may be one by chance.
@@ -48,6 +50,8 @@ pub(crate) enum Objection {
     /// The fit itself tells a lean that the prior excludes.
     ToldLean,
     Motion,
+    /// Too few frames agree on a weak line.
+    FewFrames,
 }
 
 impl RangeStatus {
@@ -74,6 +78,7 @@ impl RangeStatus {
             Objection::ToldLean => matches!(self, Self::Ok | Self::Far),
             // What moves may look as if it leaned.
             Objection::Motion => matches!(self, Self::Ok | Self::Leaning),
+            Objection::FewFrames => matches!(self, Self::Ok | Self::Inconsistent),
             _ => self == Self::Ok,
         };
         if !(holds && is_sound) {
@@ -84,6 +89,7 @@ impl RangeStatus {
             Objection::Clutter => Self::Cluttered,
             Objection::Lean => Self::Leaning,
             Objection::Motion => Self::Moving,
+            Objection::FewFrames => Self::Tentative,
         }
     }
 
@@ -103,6 +109,7 @@ impl RangeStatus {
             Self::Inconsistent => "inconsistent",
             Self::Leaning => "leaning",
             Self::Moving => "moving",
+            Self::Tentative => "tentative",
             Self::Bent => "bent",
             Self::Cluttered => "cluttered",
             Self::Short => "short",

@@ -20,6 +20,8 @@ pub(crate) struct Landmark<S> {
     pub(crate) missed: u16,
     /// Frames that must still agree before it counts as static again, after it was where a static edge cannot be.
     pub(crate) hold_off: u16,
+    /// No single frame has shown it well enough to be told.
+    pub(crate) is_weak: bool,
     /// The best line of this frame so far.
     pub(crate) matched: Option<Match<S>>,
     pub(crate) state: LineState<S>,
@@ -54,6 +56,8 @@ const STATIC_SIGMAS: i32 = 5;
 const HOLD_OFF_FRAMES: u16 = 30;
 /// Two edges nearer than this shift each other's columns.
 const NEAR_PX: i32 = 8;
+/// Frames that must agree on an edge that no single one shows well.
+const TELLING_FRAMES: u32 = 3;
 
 impl<S: Scalar> LineObservation<S> {
     /// `None` for a line without samples, or outside the lens model.
@@ -129,7 +133,7 @@ impl<S: Scalar> Landmark<S> {
 
     /// A range of this edge under its name; no distance until it counts as static again.
     pub(crate) fn name(&self, range: Range<S>) -> Range<S> {
-        range.named(self.id, self.frames, self.hold_off > 0)
+        range.named(self.id, self.frames, self.hold_off > 0, self.is_weak && self.frames < TELLING_FRAMES)
     }
 
     /// Whether a line lies so near to the predicted edge that the two shift each other.

@@ -8,7 +8,7 @@ use super::propagation::FrameTransition;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
-use crate::range::{LineState, Range};
+use crate::range::{LineState, Range, RangeStatus};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -71,6 +71,9 @@ pub struct Sequence<S, const LANDMARKS: usize> {
 
 /// A landmark that is missed in more frames in a row is forgotten.
 const MOST_MISSED: u16 = 30;
+
+/// A line of fewer points than this part of the rows is short: texture lines up so far.
+const SHORT_PART: u16 = 5;
 
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// A sequence that has seen nothing yet.
@@ -253,7 +256,9 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let (polarity, frames, missed, hold_off) = (line.first().polarity, 1, 0, 0);
         let seen = observation.and_then(|observation| Extent::between(&state.line3, &observation.ends));
         let Some(extent) = seen else { return range };
-        let landmark = Landmark { id, polarity, frames, missed, hold_off, matched, state, extent };
+        let is_short = range.points < setup.readout().rows() / SHORT_PART;
+        let is_weak = !is_informative(range.status) || (is_short && range.status != RangeStatus::Ok);
+        let landmark = Landmark { id, polarity, frames, missed, hold_off, is_weak, matched, state, extent };
         if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
