@@ -63,18 +63,31 @@ fn a_slope_against_the_motion_is_inconsistent() {
     assert!(range.depth(Sigmas(2.0)).estimate_m.is_none());
 }
 
+/// The edge of the scene with a bow: `sagitta_px` between its ends and its middle.
+fn bowed(scene: &Scene, sagitta_px: f64) -> Vec<EdgePoint> {
+    let bow = |edge: EdgePoint| {
+        let off = (f64::from(edge.row) - 240.0) / 240.0;
+        EdgePoint { column_q16: edge.column_q16 + q16(sagitta_px * off * off), ..edge }
+    };
+    scene.points().into_iter().map(bow).collect()
+}
+
+#[test]
+fn a_bow_of_less_than_a_pixel_is_a_larger_sigma() {
+    let scene = Scene::vga();
+    for sagitta_px in [0.2, 0.5, 1.0] {
+        let range = range_of::<f32>(&scene, Uncertainty::default(), &bowed(&scene, sagitta_px));
+        let sigma = range.estimate.sigma_inverse_depth_per_m;
+        assert_eq!(range.status, RangeStatus::Ok, "{range:?}");
+        assert!((range.estimate.inverse_depth_per_m - 0.5).abs() < 2.0 * sigma, "{range:?}");
+    }
+}
+
 #[test]
 fn curved_and_broken_edges_are_bent() {
     let scene = Scene::vga();
-    let arc: Vec<_> = scene
-        .points()
-        .into_iter()
-        .map(|point| {
-            let height = (f64::from(point.row) - 240.0) / 240.0;
-            EdgePoint { column_q16: point.column_q16 + q16(1.5 * height * height), ..point }
-        })
-        .collect();
-    let range = range_of::<f32>(&scene, Uncertainty::default(), &arc);
+    // At its ends it is two thirds of that away from the best straight line.
+    let range = range_of::<f32>(&scene, Uncertainty::default(), &bowed(&scene, 5.0));
     assert_eq!(range.status, RangeStatus::Bent);
     assert!(range.depth(Sigmas(2.0)).estimate_m.is_none());
     // Two halves of different edges are no straight edge either.

@@ -147,7 +147,8 @@ pub use scalar::Q32;
 pub use scalar::Scalar;
 pub use sequence::Sequence;
 pub use setup::{
-    Camera, Distortion, Intrinsics, Limits, MotionBlur, Ray, Readout, ReadoutDirection, Setup, Uncertainty,
+    Camera, Distortion, Intrinsics, Limits, MotionBlur, Ray, Readout, ReadoutDirection, Response, Setup, StampPolicy,
+    Uncertainty,
 };
 
 /// The documents of the folder `docs`: the mathematics, the architecture and the words.

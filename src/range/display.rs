@@ -36,6 +36,7 @@ const fn reason(status: RangeStatus) -> &'static str {
         RangeStatus::Inconsistent => "slopes against the motion",
         RangeStatus::Leaning => "leans",
         RangeStatus::Moving => "moves",
+        RangeStatus::Tentative => "too little evidence yet",
         RangeStatus::Bent => "is bent",
         RangeStatus::Cluttered => "may be clutter",
         RangeStatus::Short => "too short",

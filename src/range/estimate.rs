@@ -35,10 +35,10 @@ pub struct Estimate<S> {
     pub budget: Budget<S>,
     /// Shortest distance to the edge's line, in units of its depth: |(a, 0, 1) × g|.
     pub distance_per_depth: S,
-    /// Root mean square of the residuals in units of the stated noise: about 1 for a straight edge. Where it is
-    /// significantly larger, the sigmas have been enlarged by it.
+    /// Root mean square of the residuals in units of the stated noise: about 1 for a straight edge. Where it is larger than
+    /// chance allows, or neighbouring residuals are alike, the sigmas have been enlarged accordingly.
     pub misfit: S,
-    /// No straight edge fits.
+    /// The residuals exceed [`Limits::max_departure_q16`](crate::Limits::max_departure_q16).
     pub bent: bool,
 }
 
@@ -85,7 +85,7 @@ impl<S: Scalar> Estimate<S> {
             budget: sensitivity.budget(covariance, setup, line3.bearing),
             distance_per_depth: dot(across, across).sqrt(),
             misfit: goodness_of_fit.misfit,
-            bent: goodness_of_fit.bent,
+            bent: goodness_of_fit.departure_px > S::from_ratio(i64::from(setup.limits().max_departure_q16), 1 << 16),
         }
     }
 

@@ -28,11 +28,11 @@ use super::sensitivity::Sensitivity;
 use crate::error::FitError;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, cross, dot, hypot};
-use crate::setup::{Camera, Setup};
+use crate::setup::Setup;
 
 /// Bearing, inverse depth and tilt of one edge with their covariance, from at most `N` samples.
 ///
-/// The uncertainty of the setup is part of the covariance; its limits and readout are not used.
+/// The uncertainty of the setup is part of the covariance; of its limits, that of a bend is used, and its readout is not.
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
@@ -75,7 +75,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     samples: impl IntoIterator<Item = Sample<S>>,
     prior: &Prior<S>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem { setup, prior, observations: observe_all::<S, M, N>(setup.camera(), motion, samples)? };
+    let mut problem = Problem { setup, prior, observations: observe_all::<S, M, N>(setup, motion, samples)? };
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
     let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
     if problem.observations.len() < least {
@@ -86,7 +86,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
         Some(state) => state.line3,
         None => problem.round(&Line3::start(motion.gravity()), Round::First)?.line3,
     };
-    let mut solved = problem.settle_in_front(&start)?;
+    let mut solved = problem.settle_best(&start)?;
     for _ in 0..MAX_REJECTIONS {
         let Some(reweighted) = problem.reweight(&solved) else { break };
         if !problem.reject_outliers(&reweighted) {
@@ -95,12 +95,12 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
         solved = problem.settle(&solved.line3)?;
     }
     let goodness_of_fit = problem.goodness_of_fit(&solved);
-    if goodness_of_fit.significant {
-        // Residuals larger than chance allows mean that the noise was understated; the priors stay as they are.
+    if goodness_of_fit.inflation > S::ONE {
+        // The stated noise of the columns falls short of what they show; the priors stay as they are.
         problem
             .observations
             .iter_mut()
-            .for_each(|observation| observation.sigma_px = observation.sigma_px * goodness_of_fit.misfit);
+            .for_each(|observation| observation.sigma_px = observation.sigma_px * goodness_of_fit.inflation);
         solved = problem.settle(&solved.line3)?;
     }
     let Solved { line3, solution, equations } = solved;
@@ -119,10 +119,11 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
 }
 
 fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
-    camera: &Camera<S>,
+    setup: &Setup<S>,
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Vec<Observation<S>, N>, FitError> {
+    let roughness_px = setup.uncertainty().edge_roughness_px;
     let mut observations = Vec::new();
     for (index, sample) in samples.into_iter().enumerate() {
         let Spread { column_px, row_px, time_s } = sample.spread;
@@ -130,7 +131,8 @@ fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
         if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
             return Err(FitError::InvalidSample(index));
         }
-        let observation = Observation::new(camera, motion, &sample).ok_or(FitError::InvalidSample(index))?;
+        let seen = Observation::new(setup.camera(), motion, &sample).ok_or(FitError::InvalidSample(index))?;
+        let observation = seen.of_a_rough_edge(&sample, roughness_px);
         observations.push(observation).map_err(|_| FitError::TooManySamples)?;
     }
     Ok(observations)
@@ -248,6 +250,16 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(mirrored.filter(is_as_good).unwrap_or(solved))
     }
 
+    /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
+    /// best of those near the positions alone and near either path is meant.
+    fn settle_best(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
+        let solved = self.settle_in_front(start)?;
+        let near_either_path = self.prior.blur.as_ref().and_then(|blur| blur.candidates(start));
+        let others = near_either_path.into_iter().flatten().filter_map(|line3| self.converge(&line3));
+        let in_front = others.filter(|other| other.line3.inverse_depth > S::ZERO);
+        Ok(in_front.fold(solved, |best, other| if other.cost() < best.cost() { other } else { best }))
+    }
+
     /// Least absolute deviations by iterative reweighting (IRLS), so that outliers do not pull the fit towards them. `None`
     /// where no sample deviates enough, or where the rounds fail.
     fn reweight(&mut self, solved: &Solved<S, N>) -> Option<Solved<S, N>> {
@@ -307,7 +319,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let kept =
             solved.equations.observed.iter().zip(&self.observations).filter(|(_, observation)| observation.is_inlier);
         GoodnessOfFit::of(kept.map(|(equation, observation)| {
-            solved.solution.deviation(equation) * (observation.sigma_px / hypot(observation.sigma_px, floor))
+            let residual_px = solved.solution.deviation(equation) * observation.sigma_px;
+            (residual_px / hypot(observation.sigma_px, floor), residual_px)
         }))
     }
 }

@@ -21,7 +21,7 @@ use crate::setup::MotionBlur;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LensBlur<S> {
-    exposure_s: S,
+    known: MotionBlur<S>,
     variance_px2: S,
     sigma_px2: S,
 }
@@ -32,7 +32,7 @@ impl<S: Scalar> LensBlur<S> {
     pub fn new(known: MotionBlur<S>) -> Self {
         let lens = known.lens_blur_px.max(S::ratio(1, 10));
         let sigma_px2 = (lens + lens) * known.sigma_lens_blur_px;
-        Self { exposure_s: known.exposure_s, variance_px2: lens * lens, sigma_px2 }
+        Self { known, variance_px2: lens * lens, sigma_px2 }
     }
 
     /// Takes in what a range says of the lens, if anything. A range more than four sigma off is left out.
@@ -57,6 +57,6 @@ impl<S: Scalar> LensBlur<S> {
     pub fn motion_blur(&self) -> MotionBlur<S> {
         let lens_blur_px = self.variance_px2.sqrt();
         let sigma_lens_blur_px = self.sigma_px2 / (lens_blur_px + lens_blur_px);
-        MotionBlur { exposure_s: self.exposure_s, lens_blur_px, sigma_lens_blur_px }
+        self.known.with_lens_blur_px(lens_blur_px).with_sigma_lens_blur_px(sigma_lens_blur_px)
     }
 }

@@ -74,7 +74,7 @@ impl<S: Scalar> Range<S> {
         let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters) };
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
-                range.fill(setup, motion, line, &fitted);
+                range.fill(setup, motion, line, &fitted, earlier.is_none());
                 if let Some(blur) = &blur {
                     range.compare_with_blur(blur, &fitted.state.line3, blur_enters);
                 }
@@ -130,6 +130,7 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
         fitted: &Fitted<S, KNOTS>,
+        is_single: bool,
     ) {
         let (top, bottom) = line.top_and_bottom();
         let line3 = &fitted.state.line3;
@@ -138,7 +139,10 @@ impl<S: Scalar> Range<S> {
         self.estimate = fitted.estimate;
         self.points_used = line.points_in(fitted.inliers.iter().copied());
         let is_by_chance = may_be_by_chance(setup, self, line);
-        self.status = status_of(setup, line, &fitted.estimate).unless(Objection::Clutter, is_by_chance);
+        let leans = leans_too_much(setup, &fitted.estimate, is_single);
+        // Frames that agree are evidence enough, however short or cluttered the line is in this one.
+        let status = if is_single { status_of(setup, line, &fitted.estimate) } else { fitted.estimate.status() };
+        self.status = status.unless(Objection::ToldLean, leans).unless(Objection::Clutter, is_single && is_by_chance);
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
@@ -155,8 +159,9 @@ impl<S: Scalar> Range<S> {
 
     /// The same under the name that a sequence gives to its edge. `moves`: earlier frames show it where a static edge
     /// cannot be.
-    pub(crate) fn named(self, line_id: u32, frames: u32, moves: bool) -> Self {
-        Self { line_id: Some(line_id), frames, status: self.status.unless(Objection::Motion, moves), ..self }
+    pub(crate) fn named(self, line_id: u32, frames: u32, moves: bool, is_weak: bool) -> Self {
+        let status = self.status.unless(Objection::Motion, moves).unless(Objection::FewFrames, is_weak);
+        Self { line_id: Some(line_id), frames, status, ..self }
     }
 
     /// Depth and its bounds so many sigmas of inverse depth on either side, as [`Estimate::depth`]; no most likely value
@@ -189,6 +194,22 @@ fn status_of<S: Scalar, const KNOTS: usize>(
     estimate: &Estimate<S>,
 ) -> RangeStatus {
     if line.points() < setup.limits().min_points { RangeStatus::Short } else { estimate.status() }
+}
+
+/// A fitted lean of more prior sigmas than this contradicts the prior.
+const MOST_PRIOR_SIGMAS: i32 = 4;
+
+/// Whether the fitted lean contradicts the prior: the edge leans more than was stated, or its clock is wrong. Where the
+/// parallax of several frames has measured the lean, only a large one speaks against the edge.
+fn leans_too_much<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>, is_single: bool) -> bool {
+    let prior = setup.uncertainty().sigma_tilt_at(estimate.bearing);
+    let is_measured = !is_single && estimate.sigma_tilt + estimate.sigma_tilt < prior;
+    let most = if is_measured {
+        S::from_ratio(setup.limits().max_lean_q16.into(), 1 << 16)
+    } else {
+        prior * S::from_i32(MOST_PRIOR_SIGMAS)
+    };
+    prior > S::ZERO && estimate.tilt.abs() > most
 }
 
 /// Whether a line of pixels may be one by chance, or joined from pieces of several: a short one where points lie densely

@@ -22,6 +22,8 @@ pub enum RangeStatus {
     Leaning,
     /// Several frames show the edge where a static one cannot be.
     Moving,
+    /// In a sequence: the line alone would be refused as cluttered or short, and too few frames agree yet.
+    Tentative,
     /// No straight edge fits.
     Bent,
     /// So many edge points around that this line may be one by chance.
@@ -43,8 +45,13 @@ const MOST_SIGMA_CENTI_PER_M: i32 = 33;
 #[derive(Clone, Copy)]
 pub(crate) enum Objection {
     Clutter,
+    /// The blur contradicts the slope.
     Lean,
+    /// The fit itself tells a lean that the prior excludes.
+    ToldLean,
     Motion,
+    /// Too few frames agree on a weak line.
+    FewFrames,
 }
 
 impl RangeStatus {
@@ -67,13 +74,22 @@ impl RangeStatus {
     /// The same with what else speaks against the line. Where the numbers refuse it already, that is told.
     #[must_use]
     pub(crate) fn unless(self, objection: Objection, holds: bool) -> Self {
-        if self != Self::Ok || !holds {
+        let is_sound = match objection {
+            Objection::ToldLean => matches!(self, Self::Ok | Self::Far),
+            // What moves may look as if it leaned.
+            Objection::Motion => matches!(self, Self::Ok | Self::Leaning),
+            Objection::FewFrames => matches!(self, Self::Ok | Self::Inconsistent),
+            _ => self == Self::Ok,
+        };
+        if !(holds && is_sound) {
             return self;
         }
         match objection {
+            Objection::ToldLean => Self::Leaning,
             Objection::Clutter => Self::Cluttered,
             Objection::Lean => Self::Leaning,
             Objection::Motion => Self::Moving,
+            Objection::FewFrames => Self::Tentative,
         }
     }
 
@@ -93,6 +109,7 @@ impl RangeStatus {
             Self::Inconsistent => "inconsistent",
             Self::Leaning => "leaning",
             Self::Moving => "moving",
+            Self::Tentative => "tentative",
             Self::Bent => "bent",
             Self::Cluttered => "cluttered",
             Self::Short => "short",

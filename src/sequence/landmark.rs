@@ -1,5 +1,6 @@
 //! [`Landmark`]: an edge of earlier frames, and where this frame should show it.
 
+use super::extent::Extent;
 use super::propagation::FrameTransition;
 use crate::edge::Polarity;
 use crate::line::Line;
@@ -19,16 +20,20 @@ pub(crate) struct Landmark<S> {
     pub(crate) missed: u16,
     /// Frames that must still agree before it counts as static again, after it was where a static edge cannot be.
     pub(crate) hold_off: u16,
+    /// No single frame has shown it well enough to be told.
+    pub(crate) is_weak: bool,
     /// The best line of this frame so far.
     pub(crate) matched: Option<Match<S>>,
     pub(crate) state: LineState<S>,
+    /// Which part of the line the edge was last seen on.
+    pub(crate) extent: Extent<S>,
 }
 
 /// A line of this frame, by its place in the table that it comes from, and its distance from the prediction in pixels.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Match<S> {
-    pub(crate) place: usize,
+    pub(crate) place: u32,
     pub(crate) distance: S,
     /// It lies where a static edge cannot be.
     pub(crate) has_moved: bool,
@@ -37,7 +42,7 @@ pub(crate) struct Match<S> {
 /// A line of this frame at its ends and in its middle.
 pub(crate) struct LineObservation<S> {
     pub(crate) polarity: Polarity,
-    ends: [Observation<S>; 2],
+    pub(crate) ends: [Observation<S>; 2],
     middle: Observation<S>,
 }
 
@@ -51,6 +56,8 @@ const STATIC_SIGMAS: i32 = 5;
 const HOLD_OFF_FRAMES: u16 = 30;
 /// Two edges nearer than this shift each other's columns.
 const NEAR_PX: i32 = 8;
+/// Frames that must agree on an edge that no single one shows well.
+const TELLING_FRAMES: u32 = 3;
 
 impl<S: Scalar> LineObservation<S> {
     /// `None` for a line without samples, or outside the lens model.
@@ -74,7 +81,7 @@ impl<S: Scalar> Landmark<S> {
     pub(crate) fn match_with(
         &self,
         setup: &Setup<S>,
-        place: usize,
+        place: u32,
         observation: &LineObservation<S>,
     ) -> Option<Match<S>> {
         if self.polarity != observation.polarity {
@@ -88,6 +95,9 @@ impl<S: Scalar> Landmark<S> {
             // Between two that fit, the smaller sigma wins.
             (innovation.abs() <= gate).then(|| hypot(sigma, innovation))
         };
+        if !self.extent.is_same_part(&self.extent_of(observation)?) {
+            return None;
+        }
         let [first, last] = &observation.ends;
         let distance = hypot(distance_of(first)?, distance_of(last)?);
         let (innovation, sigma) = self.innovation(&total, &observation.middle)?;
@@ -97,26 +107,21 @@ impl<S: Scalar> Landmark<S> {
 
     /// Ranges a line that is this edge, with what earlier frames have told, and updates the state.
     ///
-    /// A line that is straight by itself, but not together with its history, has moved: it starts anew.
+    /// A line that is where a static edge cannot be has moved: it starts anew.
     pub(crate) fn update<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
     ) -> Range<S> {
-        let alone = || Range::continued(setup, motion, line, None);
-        let mut has_moved = self.matched.is_some_and(|matched| matched.has_moved);
-        let (mut range, mut state) =
-            if has_moved { alone() } else { Range::continued(setup, motion, line, Some(self.state)) };
-        if matches!(range.status, RangeStatus::Bent | RangeStatus::Cluttered) && !has_moved {
-            let (of_alone, state_alone) = alone();
-            if is_informative(of_alone.status) {
-                (has_moved, range, state) = (true, of_alone, state_alone);
-            }
-        }
+        let has_moved = self.matched.is_some_and(|matched| matched.has_moved);
+        let earlier = (!has_moved).then_some(self.state);
+        let (range, state) = Range::continued(setup, motion, line, earlier);
         match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
                 self.state = state;
+                let observation = LineObservation::new(setup, motion, line);
+                self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
                 self.frames = if has_moved { 1 } else { self.frames.saturating_add(1) };
                 self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
             }
@@ -128,16 +133,24 @@ impl<S: Scalar> Landmark<S> {
 
     /// A range of this edge under its name; no distance until it counts as static again.
     pub(crate) fn name(&self, range: Range<S>) -> Range<S> {
-        range.named(self.id, self.frames, self.hold_off > 0)
+        range.named(self.id, self.frames, self.hold_off > 0, self.is_weak && self.frames < TELLING_FRAMES)
     }
 
     /// Whether a line lies so near to the predicted edge that the two shift each other.
     pub(crate) fn is_near(&self, observation: &LineObservation<S>) -> bool {
+        if !self.extent_of(observation).is_some_and(|extent| self.extent.overlaps(&extent)) {
+            return false;
+        }
         let near = S::from_i32(NEAR_PX);
         let mut observations = observation.ends.iter().chain([&observation.middle]);
         observations.any(|observation| {
             self.state.line3.residual_px(observation).is_some_and(|innovation| innovation.abs() < near)
         })
+    }
+
+    /// Which part of this edge a line of this frame covers.
+    pub(crate) fn extent_of(&self, observation: &LineObservation<S>) -> Option<Extent<S>> {
+        Extent::between(&self.state.line3, &observation.ends)
     }
 
     /// How far along the row an observation lies from the prediction, and one sigma of that, in pixels.
@@ -157,11 +170,17 @@ impl<S: Scalar> Landmark<S> {
 
     /// The same at the start of the next frame; `None` where the edge is beside or behind the camera then.
     pub(crate) fn propagated(self, setup: &Setup<S>, transition: &FrameTransition<S>) -> Option<Self> {
-        Some(Self { state: self.state.propagated(setup, transition)?, matched: None, ..self })
+        let extent = self.extent.propagated(&self.state.line3, transition)?;
+        Some(Self { state: self.state.propagated(setup, transition)?, matched: None, extent, ..self })
     }
 }
 
 /// Whether a line with this status says where the edge is.
 pub(crate) fn is_informative(status: RangeStatus) -> bool {
     matches!(status, RangeStatus::Ok | RangeStatus::Far | RangeStatus::Slow)
+}
+
+/// Whether a line with this status may become a landmark: what a single frame cannot tell from chance, several can.
+pub(crate) fn may_begin(status: RangeStatus) -> bool {
+    is_informative(status) || matches!(status, RangeStatus::Cluttered | RangeStatus::Short)
 }

@@ -1,6 +1,7 @@
 //! From frame to frame: landmarks, their propagation, and the association of lines with them.
 
 mod propagation;
+mod extent;
 mod landmark;
 mod sequence;
 

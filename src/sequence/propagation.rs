@@ -19,6 +19,10 @@ impl<S: Scalar> LineState<S> {
         let passed = (propagated_line.line3.bearing - self.line3.bearing)
             * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
+        if uncertainty.sigma_time_s > S::ZERO {
+            let per_second = propagated_line.change_with_time(&self.line3, transition);
+            covariance = covariance.and(scale(per_second, uncertainty.sigma_time_s));
+        }
         // A part of what a drifting error has done so far is independent of its present value.
         let (kept, lost) = transition.drift();
         let mut sensitivity = self.sensitivity;
@@ -61,7 +65,7 @@ impl<S: Scalar> FrameTransition<S> {
 }
 
 /// An edge in the axes of the later frame, with what its derivatives need.
-struct Propagated<S> {
+pub(super) struct Propagated<S> {
     line3: Line3<S>,
     /// ρ P of the edge's point in the plane y = 0 of the earlier frame.
     foot: [S; 3],
@@ -75,7 +79,7 @@ struct Propagated<S> {
 }
 
 impl<S: Scalar> Propagated<S> {
-    fn of(line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
+    pub(super) fn of(line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
         let from = [line3.bearing, S::ZERO, S::ONE];
         let foot = transition.turn(sub(from, scale(transition.pose.position_m, line3.inverse_depth)));
         let down = transition.turn(line3.direction());
@@ -95,6 +99,11 @@ impl<S: Scalar> Propagated<S> {
             ..start
         };
         Some(Self { line3, foot, down, along, depth, length })
+    }
+
+    /// Where a place along the old line lies along the new one, in units of the new depth.
+    pub(super) fn along(&self, place: S) -> S {
+        (place + self.along) * self.length / self.depth
     }
 
     /// Change of the new bearing, inverse depth and tilt with small changes of `foot`, `down` and the old inverse depth.
@@ -132,6 +141,20 @@ impl<S: Scalar> Propagated<S> {
             // These act within a frame, not between frames.
             SharedError::Tilt | SharedError::Lens | SharedError::Readout | SharedError::Focal => none,
         }
+    }
+
+    /// Change with the time of the transition: the camera goes on with its velocity and its rotation.
+    fn change_with_time(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> [S; 3] {
+        let none = [S::ZERO; 3];
+        let elapsed_s = transition.elapsed_s;
+        if elapsed_s == S::ZERO {
+            return none;
+        }
+        let turning = transition.pose.rate_rad_s.into_iter().enumerate().fold(none, |sum, (axis, rate)| {
+            add(sum, scale(self.change_of(SharedError::Rate(axis), old, transition), rate))
+        });
+        let moving = self.change_of(SharedError::Speed, old, transition);
+        scale(add(moving, turning), S::ONE / elapsed_s)
     }
 
     fn turned_lean(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> S {

@@ -2,12 +2,13 @@
 
 use heapless::Vec;
 
-use super::landmark::{Landmark, LineObservation, Match, is_informative};
+use super::extent::Extent;
+use super::landmark::{Landmark, LineObservation, Match, is_informative, may_begin};
 use super::propagation::FrameTransition;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
-use crate::range::{LineState, Range};
+use crate::range::{LineState, Range, RangeStatus};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -70,6 +71,9 @@ pub struct Sequence<S, const LANDMARKS: usize> {
 
 /// A landmark that is missed in more frames in a row is forgotten.
 const MOST_MISSED: u16 = 30;
+
+/// A line of fewer points than this part of the rows is short: texture lines up so far.
+const SHORT_PART: u16 = 5;
 
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// A sequence that has seen nothing yet.
@@ -172,9 +176,9 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.has_frame = true;
         self.landmarks.iter_mut().for_each(|landmark| landmark.matched = None);
         for place in places {
-            let mut asking = Some(place);
+            let mut asking = u32::try_from(place).ok();
             while let Some(place) = asking {
-                let observation = line_at(place).and_then(|line| LineObservation::new(setup, motion, line));
+                let observation = line_at(place as usize).and_then(|line| LineObservation::new(setup, motion, line));
                 asking = observation.and_then(|observation| self.offer(setup, place, &observation));
             }
         }
@@ -190,7 +194,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
 
     /// Offers a line to the nearest landmark that prefers it to its present one, and returns the place of the line that is
     /// turned down.
-    fn offer(&mut self, setup: &Setup<S>, place: usize, observation: &LineObservation<S>) -> Option<usize> {
+    fn offer(&mut self, setup: &Setup<S>, place: u32, observation: &LineObservation<S>) -> Option<u32> {
         let mut best: Option<(&mut Landmark<S>, Match<S>)> = None;
         for landmark in &mut self.landmarks {
             let Some(matched) = landmark.match_with(setup, place, observation) else { continue };
@@ -210,7 +214,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         place: usize,
         line: &Line<KNOTS>,
     ) -> Range<S> {
-        let has_line = |landmark: &Landmark<S>| landmark.matched.is_some_and(|matched| matched.place == place);
+        let has_line = |landmark: &Landmark<S>| landmark.matched.is_some_and(|matched| matched.place as usize == place);
         let Some(index) = self.landmarks.iter().position(has_line) else {
             return self.begin(setup, motion, line);
         };
@@ -237,7 +241,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let (range, state) = Range::continued(setup, motion, line, None);
         // A bearing alone does not predict where the edge will be.
         let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
-        let Some(state) = state.filter(|_| is_informative(range.status) && has_depth) else { return range };
+        let Some(state) = state.filter(|_| may_begin(range.status) && has_depth) else { return range };
         // What comes into view beside an edge is often half hidden by it, and would start with a wrong column.
         let observation = LineObservation::new(setup, motion, line);
         let is_near =
@@ -248,15 +252,19 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         }
         let id = self.next_id;
         // No line that is still to be taken has this place.
-        let matched = Some(Match { place: usize::MAX, distance: S::ZERO, has_moved: false });
+        let matched = Some(Match { place: u32::MAX, distance: S::ZERO, has_moved: false });
         let (polarity, frames, missed, hold_off) = (line.first().polarity, 1, 0, 0);
-        let landmark = Landmark { id, polarity, frames, missed, hold_off, matched, state };
+        let seen = observation.and_then(|observation| Extent::between(&state.line3, &observation.ends));
+        let Some(extent) = seen else { return range };
+        let is_short = range.points < setup.readout().rows() / SHORT_PART;
+        let is_weak = !is_informative(range.status) || (is_short && range.status != RangeStatus::Ok);
+        let landmark = Landmark { id, polarity, frames, missed, hold_off, is_weak, matched, state, extent };
         if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
         }
         self.next_id = self.next_id.wrapping_add(1);
-        Range { line_id: Some(id), ..range }
+        if is_informative(range.status) { Range { line_id: Some(id), ..range } } else { range }
     }
 
     /// The table is full: replaces the landmark that has not been seen for longest. One that this frame shows is never

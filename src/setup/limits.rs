@@ -24,11 +24,16 @@ pub struct Limits {
     pub gap_rows: u16,
     /// Points that make a range: a line of fewer is [`Short`](crate::RangeStatus::Short).
     pub min_points: u16,
+    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`. Smaller
+    /// departures enlarge sigma instead.
+    pub max_departure_q16: u32,
+    /// In a sequence whose parallax has measured it, an edge may lean by this slope, in 1/65536, and stay `ok`.
+    pub max_lean_q16: u32,
 }
 
 impl Limits {
     /// Slopes up to one pixel per row; a gate of 2 px; 5 points confirm a line and 8 make a range; gaps of 2 rows before and
-    /// 12 rows after a line is confirmed.
+    /// 12 rows after a line is confirmed; 1.5 px of departure; 5° of lean.
     pub const DEFAULT: Self = Self {
         max_slope_q16: 1 << 16,
         gate_q16: 2 << 16,
@@ -36,6 +41,8 @@ impl Limits {
         tentative_gap_rows: 2,
         gap_rows: 12,
         min_points: 8,
+        max_departure_q16: 3 << 15,
+        max_lean_q16: 5_734,
     };
 
     /// The same with another [`max_slope_q16`](Self::max_slope_q16).
@@ -80,6 +87,20 @@ impl Limits {
         self
     }
 
+    /// The same with another [`max_departure_q16`](Self::max_departure_q16).
+    #[must_use]
+    pub const fn with_max_departure_q16(mut self, max_departure_q16: u32) -> Self {
+        self.max_departure_q16 = max_departure_q16;
+        self
+    }
+
+    /// The same with another [`max_lean_q16`](Self::max_lean_q16).
+    #[must_use]
+    pub const fn with_max_lean_q16(mut self, max_lean_q16: u32) -> Self {
+        self.max_lean_q16 = max_lean_q16;
+        self
+    }
+
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         let wide = |name, value: u32| {
             let most = 1024 << 16;
@@ -88,6 +109,8 @@ impl Limits {
         };
         wide("max_slope_q16", self.max_slope_q16)?;
         wide("gate_q16", self.gate_q16)?;
+        wide("max_departure_q16", self.max_departure_q16)?;
+        wide("max_lean_q16", self.max_lean_q16)?;
         for (name, value, least) in [("confirm_points", self.confirm_points, 2), ("min_points", self.min_points, 3)] {
             if value < least {
                 return Err(ParameterError::new(name, f64::from(value), "at least 2 to confirm, 3 for a range"));

@@ -3,7 +3,9 @@
 mod distortion;
 mod camera;
 mod readout;
+mod response;
 mod uncertainty;
+mod stamp_policy;
 mod limits;
 mod motion_blur;
 mod setup;
@@ -13,5 +15,7 @@ pub use distortion::Distortion;
 pub use limits::Limits;
 pub use motion_blur::MotionBlur;
 pub use readout::{Readout, ReadoutDirection};
+pub use response::Response;
 pub use setup::Setup;
+pub use stamp_policy::StampPolicy;
 pub use uncertainty::Uncertainty;

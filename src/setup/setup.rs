@@ -5,6 +5,8 @@ use super::distortion::Distortion;
 use super::limits::Limits;
 use super::motion_blur::MotionBlur;
 use super::readout::{Readout, ReadoutDirection};
+use super::response::Response;
+use super::stamp_policy::StampPolicy;
 use super::uncertainty::Uncertainty;
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
@@ -43,6 +45,8 @@ pub struct Setup<S> {
     uncertainty: Uncertainty<S>,
     limits: Limits,
     motion_blur: Option<MotionBlur<S>>,
+    response: Response,
+    stamp_policy: StampPolicy,
 }
 
 impl<S: Scalar> Setup<S> {
@@ -54,7 +58,15 @@ impl<S: Scalar> Setup<S> {
             let expected = "the number of rows of the camera's image";
             return Err(ParameterError::new("rows of the readout", f64::from(readout.rows()), expected));
         }
-        Ok(Self { camera, readout, uncertainty: Uncertainty::default(), limits: Limits::DEFAULT, motion_blur: None })
+        Ok(Self {
+            camera,
+            readout,
+            uncertainty: Uncertainty::default(),
+            limits: Limits::DEFAULT,
+            motion_blur: None,
+            response: Response::Unknown,
+            stamp_policy: StampPolicy::Checked,
+        })
     }
 
     /// The usual camera: square pixels, the principal point in the middle, no distortion, row 0 read first.
@@ -83,6 +95,18 @@ impl<S: Scalar> Setup<S> {
     pub fn with_motion_blur(self, motion_blur: MotionBlur<S>) -> Result<Self, ParameterError> {
         motion_blur.check()?;
         Ok(Self { motion_blur: Some(motion_blur), ..self })
+    }
+
+    /// The same with a known response of the pixels.
+    #[must_use]
+    pub fn with_response(self, response: Response) -> Self {
+        Self { response, ..self }
+    }
+
+    /// The same with another way to tell the time of a row of edge points.
+    #[must_use]
+    pub fn with_stamp_policy(self, stamp_policy: StampPolicy) -> Self {
+        Self { stamp_policy, ..self }
     }
 
     /// The same with other limits.
@@ -117,6 +141,25 @@ impl<S: Scalar> Setup<S> {
         self.motion_blur.as_ref()
     }
 
+    /// What tells the time of a row of edge points.
+    #[must_use]
+    pub const fn stamp_policy(&self) -> StampPolicy {
+        self.stamp_policy
+    }
+
+    /// How grey levels follow the light.
+    #[must_use]
+    pub const fn response(&self) -> &Response {
+        &self.response
+    }
+
+    /// How far the width of an edge can be trusted, as a sigma of its logarithm: as stated with the motion blur, or 0.02
+    /// where the pixels are stated to be linear and 0.25 where they are not.
+    pub(crate) fn sigma_blur(&self) -> S {
+        let stated = self.motion_blur.as_ref().and_then(|blur| blur.sigma_blur);
+        stated.unwrap_or_else(|| if self.response.is_linear() { S::ratio(1, 50) } else { S::ratio(1, 4) })
+    }
+
     /// Limits of the tracker.
     #[must_use]
     pub const fn limits(&self) -> &Limits {
@@ -133,6 +176,8 @@ struct RawSetup<S> {
     uncertainty: Uncertainty<S>,
     limits: Limits,
     motion_blur: Option<MotionBlur<S>>,
+    response: Response,
+    stamp_policy: StampPolicy,
 }
 
 #[cfg(feature = "serde")]
@@ -141,6 +186,7 @@ impl<S: Scalar> TryFrom<RawSetup<S>> for Setup<S> {
 
     fn try_from(raw: RawSetup<S>) -> Result<Self, ParameterError> {
         let setup = Self::new(raw.camera, raw.readout)?.with_uncertainty(raw.uncertainty)?.with_limits(raw.limits)?;
+        let setup = setup.with_response(raw.response).with_stamp_policy(raw.stamp_policy);
         raw.motion_blur.map_or(Ok(setup), |blur| setup.with_motion_blur(blur))
     }
 }

@@ -1,0 +1,56 @@
+//! [`Extent`]: which part of a line in space an edge covers.
+
+use super::propagation::{FrameTransition, Propagated};
+use crate::range::{Line3, Observation};
+use crate::scalar::Scalar;
+
+/// The stretch from one end of an edge to the other, along its direction from the point in the plane y = 0, in units of that
+/// point's depth.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Extent<S> {
+    from: S,
+    to: S,
+}
+
+impl<S: Scalar> Extent<S> {
+    /// Between two ends as a frame shows them.
+    pub(super) fn between(line3: &Line3<S>, ends: &[Observation<S>; 2]) -> Option<Self> {
+        let [first, last] = ends;
+        Self::ordered(along(line3, first), along(line3, last))
+    }
+
+    fn ordered(a: S, b: S) -> Option<Self> {
+        (a.is_finite() && b.is_finite()).then(|| Self { from: a.min(b), to: a.max(b) })
+    }
+
+    /// Length of what two have in common; negative where they are apart.
+    fn common(&self, other: &Self) -> S {
+        self.to.min(other.to) - self.from.max(other.from)
+    }
+
+    pub(super) fn overlaps(&self, other: &Self) -> bool {
+        self.common(other) > S::ZERO
+    }
+
+    /// Whether half of the shorter one belongs to the longer one, too: two fragments of one contour above each other are two
+    /// edges.
+    pub(super) fn is_same_part(&self, other: &Self) -> bool {
+        let shorter = (self.to - self.from).min(other.to - other.from);
+        let common = self.common(other);
+        common + common >= shorter
+    }
+
+    /// The same stretch at the next frame's start.
+    pub(super) fn propagated(&self, line3: &Line3<S>, transition: &FrameTransition<S>) -> Option<Self> {
+        let propagated = Propagated::of(line3, transition)?;
+        Self::ordered(propagated.along(self.from), propagated.along(self.to))
+    }
+}
+
+/// How far along the line the row of an observation crosses it.
+fn along<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> S {
+    let ([_, dy, dz], [_, py, pz], [_, gy, gz]) = (observation.direction, observation.position, line3.direction());
+    let w = dy / dz;
+    (w * (S::ONE - line3.inverse_depth * pz) + line3.inverse_depth * py) / (gy - w * gz)
+}
