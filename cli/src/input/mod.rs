@@ -7,6 +7,8 @@ pub(crate) mod file_identity;
 pub(crate) mod bounded_read;
 pub(crate) mod toml_file;
 pub(crate) mod keys;
+pub(crate) mod usual;
+pub(crate) mod camera_keys;
 pub(crate) mod setup;
 pub(crate) mod table_file;
 pub(crate) mod edge_file;

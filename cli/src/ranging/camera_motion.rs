@@ -63,7 +63,7 @@ impl MotionArgs {
 impl CameraMotion {
     pub(crate) fn new(arguments: &MotionArgs, file: &SetupFile) -> Result<Self> {
         let source = match &arguments.trajectory {
-            Some(path) => Source::Measured(Measured::load(path, file.motion.gravity())?),
+            Some(path) => Source::Measured(Measured::load(path, file)?),
             None => Source::Constant(file.motion),
         };
         let readout = file.setup.readout();
@@ -119,11 +119,11 @@ fn in_axes_of(pose: &Pose<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 impl Measured {
-    fn load(path: &Path, gravity: [f64; 3]) -> Result<Box<Self>> {
-        let mut samples = trajectory_file::load(path)?;
+    fn load(path: &Path, file: &SetupFile) -> Result<Box<Self>> {
+        let mut samples = trajectory_file::load(path, &file.usual)?;
         let max_gap_ns = TRUSTED_INTERVALS * usual_interval_ns(&samples);
         if samples.iter().all(|sample| sample.gravity.is_none()) {
-            propagate_gravity(&mut samples, gravity, max_gap_ns)?;
+            propagate_gravity(&mut samples, file.motion.gravity(), max_gap_ns)?;
         }
         Ok(Box::new(Self { samples, window: Trajectory::new(config(max_gap_ns)) }))
     }
