@@ -11,11 +11,11 @@ Examples:
 Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
 
 pub(crate) fn edges() -> String {
-    [EDGE_COLUMNS, SMALLEST_SETUP, TRAJECTORY, STATUSES, EDGE_EXAMPLES].join("\n\n")
+    [EDGE_COLUMNS, SMALLEST_SETUP, FRAME_TIMES, TRAJECTORY, STATUSES, EDGE_EXAMPLES].join("\n\n")
 }
 
 pub(crate) fn frame() -> String {
-    [FRAMES, TRAJECTORY, STATUSES, OVERLAY, FRAME_EXAMPLES].join("\n\n")
+    [FRAMES, FRAME_TIMES, TRAJECTORY, STATUSES, OVERLAY, FRAME_EXAMPLES].join("\n\n")
 }
 
 const EDGE_COLUMNS: &str = "\
@@ -25,7 +25,8 @@ Columns:
   time_s        middle of the row's exposure since frame start; default: from row and readout
   line          a whole number: points with the same number are one line; without it, a tracker finds
                 the lines
-  frame         a whole number; frames are independent of each other, or --frame-interval-s apart
+  frame         a whole number; frames are independent of each other, or one sequence with
+                --frame-interval-s (from one number to the next) or --frame-times
   polarity      rising (dark to bright from left to right) or falling; empty: unknown
   sigma_px      noise of the column, one standard deviation; default: camera.sigma_column_px of the setup
   width_px      one sigma of the edge's blur, 0 to 255; 0 or empty: not measured. Beside a known
@@ -41,6 +42,11 @@ Smallest setup:
   readout_s = 0.0333  # whole frame
   [motion]
   velocity_m_s = [1.5, 0, 0]  # x right, y down, z forward";
+
+const FRAME_TIMES: &str = "\
+Frame times: seconds of any clock, one line for each frame in their order; with a column name, in any
+order and perhaps of more frames than are given. A frame is called by its path, its file name or, from a
+file of edges, its number. The next frame starts when this one has been read, or later.";
 
 const FRAMES: &str = "\
 Frames must be as the sensor read them: of the setup's size, neither cropped, scaled nor rotated (the

@@ -9,6 +9,7 @@ use shutter_range::{Line, Setup};
 use crate::arguments::MotionArgs;
 use crate::input::bounded_read;
 use crate::input::edge_file::{self, FilePoint, LIMIT};
+use crate::input::frame_times::FrameName;
 use crate::input::setup::SetupFile;
 use crate::output::report::{Document, Frame};
 use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
@@ -24,7 +25,8 @@ pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Res
     };
     let groups = by_frame(&text, setup).with_context(|| name.clone())?;
     motion.check_frames(groups.len()).map_err(Error::msg)?;
-    let motion = CameraMotion::new(motion, setup)?;
+    let names = groups.keys().map(|frame| (frame_number(*frame), frame_name(&name, *frame))).collect();
+    let motion = CameraMotion::new(motion, setup, names)?;
     let frames = frames(&name, groups, setup, motion).with_context(|| name.clone())?;
     Ok(Document { frames })
 }
@@ -47,17 +49,27 @@ fn by_frame(text: &str, setup: &SetupFile) -> Result<Frames> {
     Ok(groups)
 }
 
+/// The only frame of a file is number 0.
+fn frame_number(frame: Option<i64>) -> i64 {
+    frame.unwrap_or(0)
+}
+
+fn frame_name(file: &str, frame: Option<i64>) -> FrameName {
+    match frame {
+        Some(number) => FrameName { long: format!("{file}#{number}"), short: number.to_string() },
+        None => FrameName { long: file.to_string(), short: "0".to_string() },
+    }
+}
+
 fn frames(name: &str, groups: Frames, setup: &SetupFile, mut motion: CameraMotion) -> Result<Vec<Frame>> {
-    let number = |frame: &Option<i64>| frame.unwrap_or(0);
-    let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(number(frame))).chain([None]).collect();
+    let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(frame_number(*frame))).chain([None]).collect();
     let mut sequence = FrameSequence::new(setup, &motion);
     let mut frames = Vec::new();
     for ((key, points), next) in groups.into_iter().zip(nexts) {
-        let to_next_s = motion.to_next_s(number(&key), next);
-        let motion = motion.in_frame(number(&key), next)?;
+        let to_next_s = motion.to_next_s(frame_number(key), next);
+        let motion = motion.in_frame(frame_number(key), next)?;
         sequence.advance(&motion, to_next_s)?;
-        let name = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
-        frames.push(frame(name, points, &mut sequence, &motion)?);
+        frames.push(frame(frame_name(name, key).long, points, &mut sequence, &motion)?);
     }
     Ok(frames)
 }

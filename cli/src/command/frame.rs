@@ -7,6 +7,7 @@ use image::GrayImage;
 use shutter_range::{Counters, Line, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
+use crate::input::frame_times::FrameName;
 use crate::input::picture;
 use crate::input::setup::SetupFile;
 use crate::input::size::Size;
@@ -33,7 +34,7 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         let camera = "(`camera.columns` × `camera.rows` of the setup)";
         ensure!(raw == size, "--raw says {raw} pixels, but must say {size} {camera}");
     }
-    let mut motion = CameraMotion::new(&arguments.motion, setup)?;
+    let mut motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
     let mut sequence = FrameSequence::new(setup, &motion);
     let bar = progress::bar(arguments.files.len() as u64);
     let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
@@ -60,6 +61,13 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
     }
     bar.finish_and_clear();
     Ok(outcome)
+}
+
+fn names(files: &[PathBuf]) -> impl Iterator<Item = FrameName> {
+    files.iter().map(|file| FrameName {
+        long: file.display().to_string(),
+        short: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    })
 }
 
 struct Job<'a> {

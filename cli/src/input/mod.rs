@@ -12,6 +12,7 @@ pub(crate) mod camera_keys;
 pub(crate) mod setup;
 pub(crate) mod table_file;
 pub(crate) mod edge_file;
+pub(crate) mod frame_times;
 pub(crate) mod trajectory_file;
 pub(crate) mod picture;
 pub(crate) mod scene_file;

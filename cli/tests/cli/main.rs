@@ -1,6 +1,7 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
 mod edges;
+mod frame_times;
 mod frames;
 mod full_disks;
 mod help;
@@ -15,3 +16,4 @@ mod simulations;
 mod table2;
 mod tool;
 mod trajectories;
+mod unusual_values;
