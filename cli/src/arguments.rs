@@ -22,6 +22,13 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    /// A setup file to start from: every key with its unit, its default and where to find its value
+    #[command(after_help = help::SETUP)]
+    Setup {
+        /// Set the optional keys, too
+        #[arg(long)]
+        example: bool,
+    },
     /// The paper's 40 field measurements: published and computed distance against GPS
     Table2,
     /// Ranges from edge points

@@ -2,6 +2,7 @@
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
+  shutter-range setup > camera.toml
   shutter-range table2
   shutter-range edges edges.csv --setup camera.toml
   detect-edges video.mp4 | shutter-range edges - --setup camera.toml --json
@@ -41,7 +42,12 @@ Smallest setup:
   fx = 600            # pixels
   readout_s = 0.0333  # whole frame
   [motion]
-  velocity_m_s = [1.5, 0, 0]  # x right, y down, z forward";
+  velocity_m_s = [1.5, 0, 0]  # x right, y down, z forward
+All keys: shutter-range setup";
+
+pub(crate) const SETUP: &str = "\
+Example:
+  shutter-range setup > camera.toml";
 
 const FRAME_TIMES: &str = "\
 Frame times: seconds of any clock, one line for each frame in their order; with a column name, in any

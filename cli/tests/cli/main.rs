@@ -11,6 +11,7 @@ mod painting;
 mod reference_lines;
 mod refusals;
 mod sequences;
+mod setup_files;
 mod simulation_folders;
 mod simulations;
 mod table2;
