@@ -12,11 +12,11 @@ Examples:
 Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
 
 pub(crate) fn edges() -> String {
-    [EDGE_COLUMNS, SMALLEST_SETUP, FRAME_TIMES, TRAJECTORY, STATUSES, EDGE_EXAMPLES].join("\n\n")
+    [EDGE_COLUMNS, SMALLEST_SETUP, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, EDGE_EXAMPLES].join("\n\n")
 }
 
 pub(crate) fn frame() -> String {
-    [FRAMES, FRAME_TIMES, TRAJECTORY, STATUSES, OVERLAY, FRAME_EXAMPLES].join("\n\n")
+    [FRAMES, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, OVERLAY, FRAME_EXAMPLES].join("\n\n")
 }
 
 const EDGE_COLUMNS: &str = "\
@@ -56,9 +56,11 @@ file of edges, its number. The next frame starts when this one has been read, or
 
 const FRAMES: &str = "\
 Frames must be as the sensor read them: of the setup's size, neither cropped, scaled nor rotated (the
-orientation noted in a JPEG is not applied). Colour is converted to luma, 16 bits to 8. A file holds
-one frame. A file that cannot be read is reported on standard error, the others still give ranges, and
-the exit code is 1.";
+orientation noted in a JPEG is not applied). Colour is converted to luma. Grey levels of more than 8
+bits are scaled by their own range (MAXVAL of a PGM, camera.bits of the setup, otherwise 16 bits) and
+rounded to 8 bits: steps below a 255th of that range are lost, which is a noise of 0.3 levels. A file
+holds one frame. A file that cannot be read is reported on standard error, the others still give ranges,
+and the exit code is 1.";
 
 const TRAJECTORY: &str = "\
 Trajectory: each line has the velocity (m/s) and the rotation rate (rad/s) of one instant in the axes
@@ -81,6 +83,10 @@ Statuses:
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
 Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
+
+const POSTS: &str = "\
+Two edges of opposite polarity that are alike in ends and slope are the sides of one post, whose middle
+is free of its taper. Hints under the table say what may be wrong with the setup or the pictures.";
 
 const OVERLAY: &str = "\
 Overlay:

@@ -95,7 +95,8 @@ fn frame(
         counters.points += u32::from(line.points());
         lines.push(line);
     }
-    Ok(Frame::new(name, &mut sequence.ranges(motion, &lines)?, counters))
+    let ranges = sequence.frame(motion, &lines)?;
+    Ok(Frame::new(name, false, &ranges, &counters, Vec::new()))
 }
 
 fn line_of(number: i64, mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {

@@ -14,5 +14,6 @@ pub(crate) mod table_file;
 pub(crate) mod edge_file;
 pub(crate) mod frame_times;
 pub(crate) mod trajectory_file;
+pub(crate) mod grey_levels;
 pub(crate) mod picture;
 pub(crate) mod scene_file;

@@ -3,4 +3,6 @@
 pub(crate) mod tracking;
 pub(crate) mod frame_starts;
 pub(crate) mod camera_motion;
+pub(crate) mod post;
+pub(crate) mod hints;
 pub(crate) mod frame_sequence;

@@ -115,16 +115,31 @@ fn json_keys_are_as_promised() {
         "dominant",
         "edges_used",
         "misfit",
+        "post",
+        "post_distance_m",
+        "post_sigma_m",
         "edges",
         "stray_edges",
         "dropped_edges",
         "dropped_lines",
+        "gravity",
+        "sigma_gravity_deg",
+        "hints",
     ];
     let found: Vec<_> = text.lines().filter_map(|line| line.trim().strip_prefix('"')?.split('"').next()).collect();
     assert_eq!(found, keys);
     let frame = &folder.document()["frames"][0];
     assert_eq!((&frame["name"], &frame["torn"]), (&"edges.csv".into(), &false.into()));
     assert_eq!((&frame["dropped_edges"], &frame["dropped_lines"]), (&0.into(), &0.into()));
+}
+
+#[test]
+fn gravity_is_told_as_it_was_used() {
+    let attitude = "[attitude]\ngravity = [0, 9.81, 0]\nsigma_gravity_deg = 0.25";
+    let text = format!("row,column\n{}", one_line(2.0, ""));
+    let frame = &Folder::of(&SETUP.replace("[attitude]", attitude), &text).document()["frames"][0];
+    assert_eq!(frame["gravity"], serde_json::json!([0.0, 1.0, 0.0]), "as a unit vector");
+    assert_near(number(frame, "sigma_gravity_deg"), 0.25, 1e-12);
 }
 
 #[test]
