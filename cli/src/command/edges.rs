@@ -14,6 +14,7 @@ use crate::input::setup::SetupFile;
 use crate::output::report::{Document, Frame};
 use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
 use crate::ranging::frame_sequence::FrameSequence;
+use crate::ranging::stamps;
 use crate::ranging::tracking::{self, KNOTS, Tracked, time_order};
 
 pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Result<Document> {
@@ -81,6 +82,7 @@ fn frame(
     sequence: &mut FrameSequence,
     motion: &MotionInFrame<'_>,
 ) -> Result<Frame> {
+    let stamps = stamps::check(&points, sequence.setup())?;
     let mut named: BTreeMap<i64, Vec<FilePoint>> = BTreeMap::new();
     let mut unnamed = Vec::new();
     for point in points {
@@ -96,7 +98,7 @@ fn frame(
         lines.push(line);
     }
     let ranges = sequence.frame(motion, &lines)?;
-    Ok(Frame::new(name, false, &ranges, &counters, Vec::new()))
+    Ok(Frame::new(name, false, &ranges, &counters, stamps.into_iter().collect()))
 }
 
 fn line_of(number: i64, mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {

@@ -16,6 +16,7 @@ mod sequences;
 mod setup_files;
 mod simulation_folders;
 mod simulations;
+mod stamps;
 mod table2;
 mod tool;
 mod trajectories;
