@@ -93,7 +93,7 @@ fn a_speed_that_is_known_to_two_percent() {
 /// If the exposure is known, a single frame is enough.
 #[test]
 fn the_blur_measures_the_lean() {
-    let (folder, _) = simulated(&setup(0.5, "exposure_s = 0.008\nlens_blur_px = 0.7\n"));
+    let (folder, _) = simulated(&setup(0.5, "exposure_s = 0.008\nlens_blur_px = 0.7\nresponse = \"linear\"\n"));
     let blind = setup(0.5, "");
     let relative_error = |folder: &Folder| {
         let found = frame(folder, &[]);
