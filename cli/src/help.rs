@@ -23,8 +23,8 @@ const EDGE_COLUMNS: &str = "\
 Columns:
   row, column   of an edge point, in pixels: row 0 is the top of the image, pixel centres are at whole
                 numbers
-  time_s        middle of the row's exposure since frame start; default: from row and readout, which it
-                must agree with
+  time_s        middle of the row's exposure since frame start, within the frame that the readout allows;
+                default, also where stamps do not rise at the readout's pace: from row and readout
   line          a whole number: points with the same number are one line; without it, a tracker finds
                 the lines
   frame         a whole number; frames are independent of each other, or one sequence with

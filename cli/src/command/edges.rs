@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, Error, Result, bail};
-use shutter_range::{Line, Setup};
+use anyhow::{Context, Error, Result, anyhow, bail};
+use shutter_range::Line;
 
 use crate::arguments::MotionArgs;
 use crate::input::bounded_read;
@@ -15,7 +15,7 @@ use crate::output::report::{Document, Frame};
 use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
 use crate::ranging::frame_sequence::FrameSequence;
 use crate::ranging::stamps;
-use crate::ranging::tracking::{self, KNOTS, Tracked, time_order};
+use crate::ranging::tracking::{self, KNOTS, Tracked};
 
 pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Result<Document> {
     let name = path.display().to_string();
@@ -78,11 +78,11 @@ fn frames(name: &str, groups: Frames, setup: &SetupFile, mut motion: CameraMotio
 /// Points that name a line are that line; the tracker finds the lines of the others.
 fn frame(
     name: String,
-    points: Vec<FilePoint>,
+    mut points: Vec<FilePoint>,
     sequence: &mut FrameSequence,
     motion: &MotionInFrame<'_>,
 ) -> Result<Frame> {
-    let stamps = stamps::check(&points, sequence.setup())?;
+    let hint = stamps::settle(&mut points, sequence.setup())?;
     let mut named: BTreeMap<i64, Vec<FilePoint>> = BTreeMap::new();
     let mut unnamed = Vec::new();
     for point in points {
@@ -93,24 +93,22 @@ fn frame(
     }
     let Tracked { mut lines, mut counters } = tracking::track(unnamed, sequence.setup())?;
     for (number, points) in named {
-        let line = line_of(number, points, sequence.setup())?;
+        let line = line_of(number, &points)?;
         counters.points += u32::from(line.points());
         lines.push(line);
     }
     let ranges = sequence.frame(motion, &lines)?;
-    Ok(Frame::new(name, false, &ranges, &counters, stamps.into_iter().collect()))
+    Ok(Frame::new(name, false, &ranges, &counters, hint.into_iter().collect()))
 }
 
-fn line_of(number: i64, mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {
-    let readout = setup.readout();
-    points.sort_by_key(|point| readout.rows_before(point.point.row));
-    refuse_repeated_rows(number, &points)?;
+/// The line of points in the order of readout.
+fn line_of(number: i64, points: &[FilePoint]) -> Result<Line<KNOTS>> {
+    refuse_repeated_rows(number, points)?;
     let Some((first, others)) = points.split_first() else { bail!("line {number} has no edge points") };
     let mut line = Line::new(first.point);
     for point in others {
-        if line.push(point.point).is_err() {
-            bail!("line {}: {}", point.at, time_order(point, line.last().row));
-        }
+        let pushed = line.push(point.point);
+        pushed.map_err(|_| anyhow!("line {}: `row` {} comes out of order", point.at, point.point.row))?;
     }
     Ok(line)
 }
