@@ -31,8 +31,8 @@ const COLUMNS: Columns = Columns {
     required: &["row", "column"],
 };
 
-/// As many nanoseconds as can be counted; what the readout allows is far less.
-const TIME: Bounds = Bounds::number(-9e9, 9e9, "seconds since frame start");
+/// Differences of two can be counted in nanoseconds; what the readout allows is far less.
+const TIME: Bounds = Bounds::number(-4e9, 4e9, "seconds since frame start");
 /// An edge point cannot store more than that.
 const WIDTH: Bounds = Bounds::number(0.0, 255.0, "pixels, one sigma of the edge's blur; 0 where it was not measured");
 

@@ -321,7 +321,7 @@ fn values_of_edges() {
     refuse_edges("row,column\n1,2,3\n", "line 2: 3 values, but must be 2, one for each column of the header");
     refuse_edges(
         "row,column,time_s\n1,2,inf\n",
-        "line 2: `time_s` is `inf`, but must be a number from -9000000000 to 9000000000 (seconds since frame start)",
+        "line 2: `time_s` is `inf`, but must be a number from -4000000000 to 4000000000 (seconds since frame start)",
     );
     refuse_edges(
         "row,column,sigma_px\n1,2,0\n",
