@@ -125,10 +125,10 @@ fn what_lens_and_shape_leave_open_is_in_the_sigma() {
     let points: Vec<_> = scene.points().into_iter().map(point).collect();
     for sigma_lens_px in [0.001, 0.035, 0.144] {
         let blur = MotionBlur::from_calibrated_lens(f64::from(EXPOSURE_S), LENS_PX);
-        let blur = blur.with_sigma_lens_blur_px(sigma_lens_px);
+        let blur = blur.with_sigma_lens_blur_px(sigma_lens_px).with_sigma_blur(0.01);
         let setup = scene.setup_with::<f64>(tilt_of(1.0)).with_motion_blur(blur).expect("sound blur");
         let range = Range::from_line(&setup, &scene.motion(), &line_of::<16>(&points));
-        // Each as a part of the inverse depth; 2 % of the variance is what the shape of an edge may cost.
+        // Each as a part of the inverse depth; 1 % of the width is 2 % of its variance.
         let per_variance = 1.0 / (2.0 * path_px * path_px / 12.0);
         let (lens, shape) = (2.0 * LENS_PX * sigma_lens_px * per_variance, 0.02 * variance_px2 * per_variance);
         let estimate = &range.estimate;

@@ -1,6 +1,6 @@
 //! Every status of a range, reached the way a user would.
 
-use shutter_range::{EdgePoint, Interval, Line, MotionBlur, Range, RangeStatus, Sigmas, Uncertainty};
+use shutter_range::{EdgePoint, Interval, Line, MotionBlur, Range, RangeStatus, Response, Sigmas, Uncertainty};
 
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
@@ -127,7 +127,8 @@ fn a_camera_on_its_side_is_sideways() {
 fn leaning() -> Range<f32> {
     let scene = Scene::vga();
     let blur = MotionBlur::from_calibrated_lens(0.008, 0.7);
-    let setup = scene.setup_with(tilt_of(TENTH_DEGREE)).with_motion_blur(blur).expect("sound blur");
+    let setup = scene.setup_with(tilt_of(TENTH_DEGREE)).with_response(Response::Linear);
+    let setup = setup.with_motion_blur(blur).expect("sound blur");
     // √(0.7² + 1/12) px.
     let points: Vec<_> = scene.points().into_iter().map(|point| EdgePoint { width_q8: 194, ..point }).collect();
     Range::from_line(&setup, &scene.motion(), &line_of::<16>(&points))

@@ -22,6 +22,13 @@ pub(crate) struct Cli {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    /// A setup file to start from: every key with its unit, its default and where to find its value
+    #[command(after_help = help::SETUP)]
+    Setup {
+        /// Set the optional keys, too
+        #[arg(long)]
+        example: bool,
+    },
     /// The paper's 40 field measurements: published and computed distance against GPS
     Table2,
     /// Ranges from edge points
@@ -60,6 +67,10 @@ pub(crate) struct MotionArgs {
     /// then that at the start of the first frame, and continues; otherwise it is that of every frame
     #[arg(long, value_name = "SECONDS", value_parser = interval_of_a_sequence, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
+    /// The same for frames that do not come at regular intervals: CSV with the header `time_s`, one line for each frame in
+    /// their order, or `name,time_s`; only differences count
+    #[arg(long, value_name = "FILE", conflicts_with = "frame_interval_s")]
+    pub(crate) frame_times: Option<PathBuf>,
     /// Measured motion instead of the setup's velocity and rotation rate: CSV with the header time_s,vx,vy,vz,wx,wy,wz
     /// and optionally gx,gy,gz
     #[arg(long, value_name = "FILE")]
@@ -68,7 +79,8 @@ pub(crate) struct MotionArgs {
 
 #[derive(Args)]
 pub(crate) struct FrameArgs {
-    /// PNG, JPEG or PGM/PPM; frames are independent of each other unless --frame-interval-s says otherwise
+    /// PNG, JPEG or PGM/PPM; frames are independent of each other unless --frame-interval-s or --frame-times
+    /// makes them one sequence
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]

@@ -2,6 +2,7 @@
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
+  shutter-range setup > camera.toml
   shutter-range table2
   shutter-range edges edges.csv --setup camera.toml
   detect-edges video.mp4 | shutter-range edges - --setup camera.toml --json
@@ -12,21 +13,23 @@ Examples:
 Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
 
 pub(crate) fn edges() -> String {
-    [EDGE_COLUMNS, SMALLEST_SETUP, TRAJECTORY, STATUSES, EDGE_EXAMPLES].join("\n\n")
+    [EDGE_COLUMNS, SMALLEST_SETUP, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, EDGE_EXAMPLES].join("\n\n")
 }
 
 pub(crate) fn frame() -> String {
-    [FRAMES, TRAJECTORY, STATUSES, OVERLAY, FRAME_EXAMPLES].join("\n\n")
+    [FRAMES, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, OVERLAY, FRAME_EXAMPLES].join("\n\n")
 }
 
 const EDGE_COLUMNS: &str = "\
 Columns:
   row, column   of an edge point, in pixels: row 0 is the top of the image, pixel centres are at whole
                 numbers
-  time_s        middle of the row's exposure since frame start; default: from row and readout
+  time_s        middle of the row's exposure since frame start, within the frame that the readout allows;
+                default, also where stamps do not rise at the readout's pace: from row and readout
   line          a whole number: points with the same number are one line; without it, a tracker finds
                 the lines
-  frame         a whole number; frames are independent of each other, or --frame-interval-s apart
+  frame         a whole number; frames are independent of each other, or one sequence with
+                --frame-interval-s (from one number to the next) or --frame-times
   polarity      rising (dark to bright from left to right) or falling; empty: unknown
   sigma_px      noise of the column, one standard deviation; default: camera.sigma_column_px of the setup
   width_px      one sigma of the edge's blur, 0 to 255; 0 or empty: not measured. Beside a known
@@ -41,13 +44,25 @@ Smallest setup:
   fx = 600            # pixels
   readout_s = 0.0333  # whole frame
   [motion]
-  velocity_m_s = [1.5, 0, 0]  # x right, y down, z forward";
+  velocity_m_s = [1.5, 0, 0]  # x right, y down, z forward
+All keys: shutter-range setup";
+
+pub(crate) const SETUP: &str = "\
+Example:
+  shutter-range setup > camera.toml";
+
+const FRAME_TIMES: &str = "\
+Frame times: seconds of any clock, one line for each frame in their order; with a column name, in any
+order and perhaps of more frames than are given. A frame is called by its path, its file name or, from a
+file of edges, its number. The next frame starts when this one has been read, or later.";
 
 const FRAMES: &str = "\
 Frames must be as the sensor read them: of the setup's size, neither cropped, scaled nor rotated (the
-orientation noted in a JPEG is not applied). Colour is converted to luma, 16 bits to 8. A file holds
-one frame. A file that cannot be read is reported on standard error, the others still give ranges, and
-the exit code is 1.";
+orientation noted in a JPEG is not applied). Colour is converted to luma. Grey levels of more than 8
+bits are scaled by their own range (MAXVAL of a PGM, camera.bits of the setup, otherwise 16 bits) and
+rounded to 8 bits: steps below a 255th of that range are lost, which is a noise of 0.3 levels. A file
+holds one frame. A file that cannot be read is reported on standard error, the others still give ranges,
+and the exit code is 1.";
 
 const TRAJECTORY: &str = "\
 Trajectory: each line has the velocity (m/s) and the rotation rate (rad/s) of one instant in the axes
@@ -70,6 +85,10 @@ Statuses:
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
 Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
+
+const POSTS: &str = "\
+Two edges of opposite polarity that are alike in ends and slope are the sides of one post, whose middle
+is free of its taper. Hints under the table say what may be wrong with the setup or the pictures.";
 
 const OVERLAY: &str = "\
 Overlay:

@@ -13,7 +13,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::arguments::{Cli, Command, FrameArgs};
-use crate::command::{edges, frame, sensors, simulate, table2};
+use crate::command::{edges, frame, sensors, setup, simulate, table2};
 use crate::output::{overlay, range_table, terminal, truth};
 
 fn main() -> ExitCode {
@@ -27,6 +27,8 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<ExitCode> {
     let colours = terminal::colours();
     let text = match &cli.command {
+        Command::Setup { example } if cli.json => terminal::json(&setup::document(*example))?,
+        Command::Setup { example } => setup::text(*example),
         Command::Table2 => {
             let summary = table2::summary()?;
             if cli.json { terminal::json(&summary)? } else { table2::text(&summary, colours) }

@@ -3,17 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, Error, Result, bail};
-use shutter_range::{Line, Setup};
+use anyhow::{Context, Error, Result, anyhow, bail};
+use shutter_range::Line;
 
 use crate::arguments::MotionArgs;
 use crate::input::bounded_read;
 use crate::input::edge_file::{self, FilePoint, LIMIT};
+use crate::input::frame_times::FrameName;
 use crate::input::setup::SetupFile;
 use crate::output::report::{Document, Frame};
 use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
 use crate::ranging::frame_sequence::FrameSequence;
-use crate::ranging::tracking::{self, KNOTS, Tracked, time_order};
+use crate::ranging::stamps;
+use crate::ranging::tracking::{self, KNOTS, Tracked};
 
 pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Result<Document> {
     let name = path.display().to_string();
@@ -24,7 +26,8 @@ pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Res
     };
     let groups = by_frame(&text, setup).with_context(|| name.clone())?;
     motion.check_frames(groups.len()).map_err(Error::msg)?;
-    let motion = CameraMotion::new(motion, setup)?;
+    let names = groups.keys().map(|frame| (frame_number(*frame), frame_name(&name, *frame))).collect();
+    let motion = CameraMotion::new(motion, setup, names)?;
     let frames = frames(&name, groups, setup, motion).with_context(|| name.clone())?;
     Ok(Document { frames })
 }
@@ -47,17 +50,27 @@ fn by_frame(text: &str, setup: &SetupFile) -> Result<Frames> {
     Ok(groups)
 }
 
+/// The only frame of a file is number 0.
+fn frame_number(frame: Option<i64>) -> i64 {
+    frame.unwrap_or(0)
+}
+
+fn frame_name(file: &str, frame: Option<i64>) -> FrameName {
+    match frame {
+        Some(number) => FrameName { long: format!("{file}#{number}"), short: number.to_string() },
+        None => FrameName { long: file.to_string(), short: "0".to_string() },
+    }
+}
+
 fn frames(name: &str, groups: Frames, setup: &SetupFile, mut motion: CameraMotion) -> Result<Vec<Frame>> {
-    let number = |frame: &Option<i64>| frame.unwrap_or(0);
-    let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(number(frame))).chain([None]).collect();
+    let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(frame_number(*frame))).chain([None]).collect();
     let mut sequence = FrameSequence::new(setup, &motion);
     let mut frames = Vec::new();
     for ((key, points), next) in groups.into_iter().zip(nexts) {
-        let to_next_s = motion.to_next_s(number(&key), next);
-        let motion = motion.in_frame(number(&key), next)?;
+        let to_next_s = motion.to_next_s(frame_number(key), next);
+        let motion = motion.in_frame(frame_number(key), next)?;
         sequence.advance(&motion, to_next_s)?;
-        let name = key.map_or(name.to_string(), |number| format!("{name}#{number}"));
-        frames.push(frame(name, points, &mut sequence, &motion)?);
+        frames.push(frame(frame_name(name, key).long, points, &mut sequence, &motion)?);
     }
     Ok(frames)
 }
@@ -65,10 +78,11 @@ fn frames(name: &str, groups: Frames, setup: &SetupFile, mut motion: CameraMotio
 /// Points that name a line are that line; the tracker finds the lines of the others.
 fn frame(
     name: String,
-    points: Vec<FilePoint>,
+    mut points: Vec<FilePoint>,
     sequence: &mut FrameSequence,
     motion: &MotionInFrame<'_>,
 ) -> Result<Frame> {
+    let hint = stamps::settle(&mut points, sequence.setup())?;
     let mut named: BTreeMap<i64, Vec<FilePoint>> = BTreeMap::new();
     let mut unnamed = Vec::new();
     for point in points {
@@ -79,23 +93,22 @@ fn frame(
     }
     let Tracked { mut lines, mut counters } = tracking::track(unnamed, sequence.setup())?;
     for (number, points) in named {
-        let line = line_of(number, points, sequence.setup())?;
+        let line = line_of(number, &points)?;
         counters.points += u32::from(line.points());
         lines.push(line);
     }
-    Ok(Frame::new(name, &mut sequence.ranges(motion, &lines)?, counters))
+    let ranges = sequence.frame(motion, &lines)?;
+    Ok(Frame::new(name, false, &ranges, &counters, hint.into_iter().collect()))
 }
 
-fn line_of(number: i64, mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Line<KNOTS>> {
-    let readout = setup.readout();
-    points.sort_by_key(|point| readout.rows_before(point.point.row));
-    refuse_repeated_rows(number, &points)?;
+/// The line of points in the order of readout.
+fn line_of(number: i64, points: &[FilePoint]) -> Result<Line<KNOTS>> {
+    refuse_repeated_rows(number, points)?;
     let Some((first, others)) = points.split_first() else { bail!("line {number} has no edge points") };
     let mut line = Line::new(first.point);
     for point in others {
-        if line.push(point.point).is_err() {
-            bail!("line {}: {}", point.at, time_order(point, line.last().row));
-        }
+        let pushed = line.push(point.point);
+        pushed.map_err(|_| anyhow!("line {}: `row` {} comes out of order", point.at, point.point.row))?;
     }
     Ok(line)
 }

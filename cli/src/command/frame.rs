@@ -7,15 +7,16 @@ use image::GrayImage;
 use shutter_range::{Counters, Line, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
-use crate::input::picture;
+use crate::input::frame_times::FrameName;
+use crate::input::picture::{self, Picture, PictureFormat};
 use crate::input::setup::SetupFile;
-use crate::input::size::Size;
 use crate::output::overlay;
 use crate::output::progress;
 use crate::output::report::{Document, Frame};
 use crate::output::terminal;
 use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
 use crate::ranging::frame_sequence::FrameSequence;
+use crate::ranging::hints;
 use crate::ranging::tracking::KNOTS;
 
 /// More lines, and more points on one row, than a picture shows.
@@ -33,14 +34,15 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         let camera = "(`camera.columns` × `camera.rows` of the setup)";
         ensure!(raw == size, "--raw says {raw} pixels, but must say {size} {camera}");
     }
-    let mut motion = CameraMotion::new(&arguments.motion, setup)?;
+    let format = PictureFormat { size, raw: arguments.raw.is_some(), bits: setup.bits };
+    let mut motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
     let mut sequence = FrameSequence::new(setup, &motion);
     let bar = progress::bar(arguments.files.len() as u64);
     let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
     for (number, (index, file)) in (0..).zip(arguments.files.iter().enumerate()) {
         let next = (index + 1 < arguments.files.len()).then_some(number + 1);
         let frames = &mut outcome.document.frames;
-        let mut job = Job { sequence: &mut sequence, size, raw: arguments.raw.is_some(), frames };
+        let mut job = Job { sequence: &mut sequence, format, frames };
         let to_next_s = motion.to_next_s(number, next);
         let result = match motion.in_frame(number, next) {
             Ok(motion) => {
@@ -62,22 +64,30 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
     Ok(outcome)
 }
 
+fn names(files: &[PathBuf]) -> impl Iterator<Item = FrameName> {
+    files.iter().map(|file| FrameName {
+        long: file.display().to_string(),
+        short: file.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+    })
+}
+
 struct Job<'a> {
     sequence: &'a mut FrameSequence,
-    size: Size,
-    raw: bool,
+    format: PictureFormat,
     frames: &'a mut Vec<Frame>,
 }
 
 impl Job<'_> {
     /// The ranges of a frame are reported even if its overlay cannot be written.
     fn range(&mut self, file: &Path, motion: &MotionInFrame<'_>, overlay: Option<&PathBuf>) -> Result<()> {
-        let picture = picture::load(file, self.size, self.raw)?;
+        let Picture { image, unused_bits } = picture::load(file, &self.format)?;
         let name = file.display().to_string();
-        let found = lines(&picture.to_luma8(), self.sequence.setup()).with_context(|| name.clone())?;
-        let mut ranges = self.sequence.ranges(motion, &found.lines)?;
-        let frame = Frame { torn: found.torn, ..Frame::new(name, &mut ranges, found.counters) };
-        let written = overlay.map(|path| overlay::write(path, picture.into_rgb8(), &frame.ranges));
+        let pixels = image.to_luma8();
+        let found = lines(&pixels, self.sequence.setup()).with_context(|| name.clone())?;
+        let ranges = self.sequence.frame(motion, &found.lines)?;
+        let hints = hints::of_pixels(&pixels, unused_bits);
+        let frame = Frame::new(name, found.torn, &ranges, &found.counters, hints);
+        let written = overlay.map(|path| overlay::write(path, image.into_rgb8(), &frame.ranges));
         self.frames.push(frame);
         written.unwrap_or(Ok(()))
     }

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+pub(crate) mod setup;
 pub(crate) mod table2;
 pub(crate) mod edges;
 pub(crate) mod frame;

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use image::{GrayImage, ImageFormat};
 use shutter_range::sim::{Exposure, Simulator};
-use shutter_range::{Camera, Distortion, Intrinsics, Motion, ParameterError, Twist};
+use shutter_range::{Camera, Distortion, Intrinsics, Motion, ParameterError, Response, Twist};
 
 use crate::arguments::SimulateArgs;
 use crate::input::bounded_read;
@@ -36,6 +36,8 @@ pub(crate) fn check_inputs(arguments: &SimulateArgs) -> Result<(), String> {
 pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
     let setup_path = &arguments.setup.path;
     let file = setup::load(setup_path)?;
+    let several = arguments.frame_interval_s.filter(|interval_s| *interval_s > 0.0 && arguments.frames > 1);
+    file.check_exposure(several)?;
     let (scene_text, scene_name) = match &arguments.scene {
         Some(path) => (bounded_read::read_text(path, &scene_file::LIMIT)?, path.display().to_string()),
         None => (scene_file::STREET.to_string(), "the built-in street".to_string()),
@@ -57,6 +59,10 @@ fn simulator<'a>(file: &SetupFile, scene: &'a SceneFile, seed: u64) -> Result<Si
     ensure!(
         *camera.distortion() == Distortion::NONE,
         "`camera.distortion` must be left out or zero: the simulated lens is a pinhole"
+    );
+    ensure!(
+        matches!(file.setup.response(), Response::Unknown | Response::Linear),
+        "`camera.response` must be left out, \"linear\" or \"unknown\": simulated grey levels are proportional to the light"
     );
     let Intrinsics { columns, rows, fx, fy, cx, cy } = *camera.intrinsics();
     let [fx, fy, cx, cy] = [fx, fy, cx, cy].map(|value| value as f32);
@@ -92,9 +98,7 @@ fn render(
     arguments: &SimulateArgs,
     folder: &mut SimulationFolder,
 ) -> Result<TruthDocument> {
-    let readout = file.setup.readout();
-    let readout_s = readout.line_time_ps() as f64 * 1e-12 * f64::from(readout.rows());
-    let interval_s = arguments.frame_interval_s.unwrap_or(readout_s.max(1.0 / 30.0));
+    let interval_s = arguments.frame_interval_s.unwrap_or(file.readout_s().max(1.0 / 30.0));
     let bar = progress::bar(arguments.frames.into());
     let mut frames = Vec::new();
     for number in 0..arguments.frames {

@@ -31,8 +31,8 @@ const COLUMNS: Columns = Columns {
     required: &["row", "column"],
 };
 
-/// The library takes stamps within an hour of frame start.
-const TIME: Bounds = Bounds::number(-3600.0, 3600.0, "seconds since frame start");
+/// Differences of two can be counted in nanoseconds; what the readout allows is far less.
+const TIME: Bounds = Bounds::number(-4e9, 4e9, "seconds since frame start");
 /// An edge point cannot store more than that.
 const WIDTH: Bounds = Bounds::number(0.0, 255.0, "pixels, one sigma of the edge's blur; 0 where it was not measured");
 

@@ -3,8 +3,13 @@
 use anyhow::{Error, Result, anyhow, bail};
 use toml::{Table, Value};
 
+use shutter_range::ParameterError;
+
 use super::bounds::Bounds;
 use super::nearest::{list, nearest, nearest_by, similarity};
+
+/// The only key outside the sections: keys whose value lies outside the usual range and is meant.
+pub(crate) const UNUSUAL: &str = "unusual";
 
 /// All sections and their keys.
 pub(crate) const KEYS: [(&str, &[&str]); 3] = [
@@ -22,21 +27,28 @@ pub(crate) const KEYS: [(&str, &[&str]); 3] = [
             "distortion",
             "readout_s",
             "line_time_us",
+            "line_length_clocks",
+            "pixel_clock_hz",
+            "sensor_rows_per_row",
             "direction",
             "exposure_s",
             "lens_blur_px",
+            "response",
+            "sigma_blur",
+            "bits",
+            "edge_roughness_px",
             "sigma_column_px",
             "sigma_readout",
             "sigma_focal",
         ],
     ),
-    ("motion", &["velocity_m_s", "rate_rad_s", "sigma_speed", "sigma_rate_rad_s"]),
+    ("motion", &["velocity_m_s", "rate_rad_s", "sigma_speed", "sigma_rate_rad_s", "sigma_time_s"]),
     ("attitude", &["gravity", "sigma_tilt_deg", "sigma_gravity_deg"]),
 ];
 
 /// Refuses a name that is no section or key, with the nearest valid one, or with the list of valid ones where none is near.
 pub(crate) fn refuse_unknown(file: &Table) -> Result<()> {
-    for (name, value) in file {
+    for (name, value) in file.iter().filter(|(name, _)| *name != UNUSUAL) {
         let Some((section, keys)) = KEYS.iter().find(|(section, _)| section == name) else {
             return Err(unknown_outside(name, value));
         };
@@ -66,6 +78,18 @@ fn unknown_outside(name: &str, value: &Value) -> Error {
     }
 }
 
+/// A parameter that the library refuses, under its key in the file.
+pub(crate) fn by_its_key(error: ParameterError) -> Error {
+    let name = error.parameter;
+    if name == "distortion" {
+        return anyhow!("`camera.distortion` folds over at radius {:.3}: it must be {}", error.value, error.expected);
+    }
+    match KEYS.iter().find(|(_, keys)| keys.contains(&name)) {
+        Some((section, _)) => anyhow!("`{section}.{name}` is {}, but must be {}", error.value, error.expected),
+        None => error.into(),
+    }
+}
+
 fn unknown_key(section: &str, key: &str, keys: &[&str]) -> Error {
     match nearest_key(section, key) {
         Some(nearest) => anyhow!("unknown key `{section}.{key}`; the nearest is {nearest}"),
@@ -77,7 +101,8 @@ fn unknown_key(section: &str, key: &str, keys: &[&str]) -> Error {
 fn nearest_key(section: &str, key: &str) -> Option<String> {
     let all = KEYS.iter().flat_map(|(section, keys)| keys.iter().map(move |key| (*section, *key)));
     let score = |(other, name): (&str, &str)| similarity(key, name) + if other == section { 0.05 } else { 0.0 };
-    nearest_by(all, score).map(|(section, key)| format!("`{section}.{key}`"))
+    let (section, key) = nearest_by(all.chain([("", UNUSUAL)]), score)?;
+    Some(if key == UNUSUAL { format!("`{key}` at the top of the file") } else { format!("`{section}.{key}`") })
 }
 
 /// One section of the file; empty where the file has none.
@@ -102,10 +127,17 @@ impl<'a> Section<'a> {
     /// An error for a key that is wrong or missing.
     pub(crate) fn refuse(&self, key: &str, expected: impl std::fmt::Display) -> Error {
         let name = self.name;
-        match self.value(key) {
-            Some(value) => anyhow!("`{name}.{key}` is {value}, but must be {expected}"),
-            None => anyhow!("`{name}.{key}` is missing: it must be {expected}"),
+        if self.has(key) {
+            anyhow!("{}, but must be {expected}", self.described(key))
+        } else {
+            anyhow!("`{name}.{key}` is missing: it must be {expected}")
         }
+    }
+
+    /// "`camera.fx` is 600"
+    pub(crate) fn described(&self, key: &str) -> String {
+        let value = self.value(key).map_or("left out".to_string(), Value::to_string);
+        format!("`{}.{key}` is {value}", self.name)
     }
 
     pub(crate) fn number(&self, key: &str, bounds: Bounds) -> Result<Option<f64>> {
@@ -132,6 +164,12 @@ impl<'a> Section<'a> {
                 .ok_or_else(|| anyhow!("`{}.{key}[{index}]` is {element}, but must be {bounds}", self.name))?;
         }
         Ok(Some(numbers))
+    }
+
+    /// A text, of which `expected` says what it must be.
+    pub(crate) fn text(&self, key: &str, expected: &str) -> Result<Option<&'a str>> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        value.as_str().map(Some).ok_or_else(|| self.refuse(key, expected))
     }
 
     /// The index of the value among the words.

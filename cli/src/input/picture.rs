@@ -4,9 +4,11 @@ use std::io::Cursor;
 use std::path::Path;
 
 use anyhow::{Context, Error, Result, bail, ensure};
+use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, GrayImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use super::bounded_read::{self, Limit, MEBIBYTE};
+use super::grey_levels::{self, UnusedBits};
 use super::size::Size;
 
 /// A plain PPM has three numbers of five digits, each with a space.
@@ -14,27 +16,44 @@ const MOST_BYTES_PER_PIXEL: u64 = 18;
 /// Thumbnails, colour profiles, and the video clip that some phones append to a JPEG.
 const MOST_BYTES_BESIDE_PIXELS: u64 = 64 * MEBIBYTE;
 
-/// The picture in a file, which must be of that size. With `raw`, the file is a plain dump of its pixels.
-pub(crate) fn load(path: &Path, size: Size, raw: bool) -> Result<DynamicImage> {
-    let picture = if raw {
+pub(crate) struct Picture {
+    pub(crate) image: DynamicImage,
+    /// Unless the file or the setup says how many bits its grey levels have.
+    pub(crate) unused_bits: Option<UnusedBits>,
+}
+
+/// What pictures must be.
+#[derive(Clone, Copy)]
+pub(crate) struct PictureFormat {
+    pub(crate) size: Size,
+    /// The file is a plain dump of its pixels.
+    pub(crate) raw: bool,
+    /// Significant bits of grey levels in a container of 16.
+    pub(crate) bits: Option<u32>,
+}
+
+/// The picture in a file.
+pub(crate) fn load(path: &Path, format: &PictureFormat) -> Result<Picture> {
+    let size = format.size;
+    let picture = if format.raw {
         let limit = Limit { bytes: size.pixels(), rule: &format!("--raw {size} must have") };
         dump(bounded_read::read(path, &limit)?, size, &limit)
     } else {
         let bytes = size.pixels() * MOST_BYTES_PER_PIXEL + MOST_BYTES_BESIDE_PIXELS;
         let limit = Limit { bytes, rule: &format!("a picture of {size} pixels must have at most") };
-        decode(&bounded_read::read(path, &limit)?, size)
+        bounded_read::read(path, &limit).map(|bytes| decode(&bytes, format))?
     };
     picture.with_context(|| path.display().to_string())
 }
 
-fn dump(bytes: Vec<u8>, size: Size, limit: &Limit<'_>) -> Result<DynamicImage> {
+fn dump(bytes: Vec<u8>, size: Size, limit: &Limit<'_>) -> Result<Picture> {
     let found = bytes.len();
     let picture = GrayImage::from_raw(size.columns, size.rows, bytes);
     let picture = picture.with_context(|| format!("the file has {found} bytes, but {} {}", limit.rule, limit.bytes))?;
-    Ok(DynamicImage::ImageLuma8(picture))
+    Ok(Picture { image: picture.into(), unused_bits: None })
 }
 
-fn decode(bytes: &[u8], size: Size) -> Result<DynamicImage> {
+fn decode(bytes: &[u8], expected: &PictureFormat) -> Result<Picture> {
     ensure!(!bytes.is_empty(), "the file is empty");
     let format = image::guess_format(bytes).ok();
     let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Pnm)) = format else {
@@ -43,7 +62,7 @@ fn decode(bytes: &[u8], size: Size) -> Result<DynamicImage> {
     let mut reader = Cursor::new(bytes);
     let decoder = ImageReader::with_format(&mut reader, format).into_decoder().map_err(damaged)?;
     let (columns, rows) = decoder.dimensions();
-    let found = Size { columns, rows };
+    let (found, size) = (Size { columns, rows }, expected.size);
     // Before any pixel is read: a damaged header may promise more of them than there is memory for.
     ensure!(
         found == size,
@@ -54,7 +73,18 @@ fn decode(bytes: &[u8], size: Size) -> Result<DynamicImage> {
     if format == ImageFormat::Pnm {
         refuse_second_frame(bytes, reader.position() as usize)?;
     }
-    Ok(picture)
+    if states_its_range(bytes) {
+        return Ok(Picture { image: picture, unused_bits: None });
+    }
+    let (image, unused_bits) = grey_levels::stretched(picture, expected.bits)?;
+    Ok(Picture { image, unused_bits })
+}
+
+/// A netpbm file says which level is white; the decoder has stretched its levels. One that fills its container says no
+/// more than any other file.
+fn states_its_range(bytes: &[u8]) -> bool {
+    let white = PnmDecoder::new(bytes).map(|decoder| decoder.header().maximal_sample());
+    white.is_ok_and(|white| white != u32::from(u16::MAX))
 }
 
 fn damaged(error: ImageError) -> Error {

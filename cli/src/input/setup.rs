@@ -2,21 +2,23 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Error, Result, anyhow};
-use shutter_range::{
-    Camera, Distortion, Intrinsics, MotionBlur, ParameterError, Readout, ReadoutDirection, Setup, Twist, Uncertainty,
-};
+use anyhow::{Context, Result};
+use shutter_range::{Motion, MotionBlur, Setup, Twist, Uncertainty};
 
 use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
-use super::keys::{KEYS, Section, refuse_unknown};
+use super::camera_keys::{self, Optics};
+use super::keys::{Section, by_its_key, refuse_unknown};
 use super::size::Size;
 use super::toml_file;
+use super::usual::{self, Usual};
 
 /// Every key with its comment takes a few kilobytes.
 const LIMIT: Limit<'_> = Limit { bytes: MEBIBYTE, rule: "a setup must have at most" };
 
 pub(crate) struct SetupFile {
+    /// As it was given.
+    name: String,
     /// The file itself.
     pub(crate) text: String,
     pub(crate) setup: Setup<f64>,
@@ -24,14 +26,9 @@ pub(crate) struct SetupFile {
     /// Noise of edge points that come without their own.
     pub(crate) sigma_column_px: f64,
     pub(crate) optics: Optics,
-}
-
-/// What is known of the blur of edges.
-#[derive(Clone, Copy)]
-pub(crate) struct Optics {
-    pub(crate) exposure_s: Option<f64>,
-    /// One sigma.
-    pub(crate) lens_blur_px: Option<f64>,
+    /// Significant bits of pictures in a container of 16.
+    pub(crate) bits: Option<u32>,
+    pub(crate) usual: Usual,
 }
 
 impl SetupFile {
@@ -40,15 +37,25 @@ impl SetupFile {
         let image = self.setup.camera().intrinsics();
         Size { columns: image.columns.into(), rows: image.rows.into() }
     }
+
+    /// Rows × line time.
+    pub(crate) fn readout_s(&self) -> f64 {
+        let readout = self.setup.readout();
+        (readout.line_time_ps() * u64::from(readout.rows())) as f64 / 1e12
+    }
+
+    /// Refuses an exposure that is hardly ever meant, for frames that come at this interval, if any is known.
+    pub(crate) fn check_exposure(&self, interval_s: Option<f64>) -> Result<()> {
+        let Some(exposure_s) = self.optics.exposure_s else { return Ok(()) };
+        let objection = usual::exposure(exposure_s, interval_s, self.readout_s());
+        self.usual.check("exposure_s", objection, || format!("{}: `camera.exposure_s` is {exposure_s}", self.name))
+    }
 }
 
 /// A column that is noisier says nothing.
 pub(crate) const SIGMA_PX: Bounds = Bounds::above_zero(256.0, "pixels, one standard deviation");
-const SIZE: Bounds = Bounds::whole(1.0, 32_767.0, "pixels");
 const RELATIVE: Bounds = Bounds::number(0.0, 1.0, "relative, one standard deviation");
 const DEGREES: Bounds = Bounds::number(0.0, 45.0, "degrees, one standard deviation");
-const FOCAL_PX: Bounds = Bounds::number(1.0, 1e6, "focal length in pixels");
-const PIXELS: Bounds = Bounds::finite("pixels");
 pub(crate) const SPEED: Bounds = Bounds::number(-10_000.0, 10_000.0, "m/s");
 pub(crate) const RATE: Bounds = Bounds::number(-1_000.0, 1_000.0, "rad/s");
 pub(crate) const DIRECTION: Bounds = Bounds::number(-1000.0, 1000.0, "only its direction counts");
@@ -64,25 +71,49 @@ pub(crate) fn load_without_velocity(path: &Path) -> Result<SetupFile> {
 
 fn load_with(path: &Path, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
     let text = bounded_read::read_text(path, &LIMIT)?;
-    parse(text, default_velocity_m_s).with_context(|| path.display().to_string())
+    let name = path.display().to_string();
+    parse(name.clone(), text, default_velocity_m_s).context(name)
 }
 
-fn parse(text: String, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
+fn parse(name: String, text: String, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
     let file = toml_file::parse(&text)?;
     refuse_unknown(&file)?;
     let camera = Section::of(&file, "camera");
     let motion = Section::of(&file, "motion");
     let attitude = Section::of(&file, "attitude");
-    let optics = optics(&camera)?;
-    let setup =
-        Setup::new(lens(&camera)?, readout(&camera)?)?.with_uncertainty(uncertainty(&camera, &motion, &attitude)?);
-    Ok(SetupFile {
+    let optics = camera_keys::optics(&camera)?;
+    let setup = Setup::new(camera_keys::lens(&camera)?, camera_keys::readout(&camera)?)?;
+    let setup = setup.with_uncertainty(uncertainty(&camera, &motion, &attitude)?).map_err(by_its_key)?;
+    let file = SetupFile {
+        name,
         text,
-        setup: with_optics(setup.map_err(by_its_key)?, &optics)?,
+        setup: with_optics(setup, &optics)?.with_response(camera_keys::response(&camera)?),
         motion: twist(&motion, &attitude, default_velocity_m_s)?,
         sigma_column_px: camera.number("sigma_column_px", SIGMA_PX)?.unwrap_or(0.1),
         optics,
-    })
+        bits: camera_keys::bits(&camera)?,
+        usual: Usual::of(&file)?,
+    };
+    refuse_unusual(&file, &camera, &motion, &attitude)?;
+    Ok(file)
+}
+
+/// Refuses values that are hardly ever meant.
+fn refuse_unusual(file: &SetupFile, camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_>) -> Result<()> {
+    let image = file.setup.camera().intrinsics();
+    let focal_key = camera_keys::focal_length_key(camera);
+    let fy_key = if camera.has("fy") { "fy" } else { focal_key };
+    let checks = [
+        (camera, camera_keys::readout_key(camera), usual::readout(file.readout_s())),
+        (camera, focal_key, usual::view(image.columns, image.fx, image.cx)),
+        (camera, fy_key, usual::view(image.rows, image.fy, image.cy)),
+        (motion, "velocity_m_s", usual::speed(file.motion.velocity_m_s())),
+        (motion, "rate_rad_s", usual::rate(file.motion.rate_rad_s())),
+        (attitude, "gravity", usual::gravity(file.motion.gravity())),
+    ];
+    checks
+        .into_iter()
+        .try_for_each(|(section, key, objection)| file.usual.check(key, objection, || section.described(key)))
 }
 
 fn with_optics(setup: Setup<f64>, optics: &Optics) -> Result<Setup<f64>> {
@@ -91,98 +122,34 @@ fn with_optics(setup: Setup<f64>, optics: &Optics) -> Result<Setup<f64>> {
         Some(lens_blur_px) => MotionBlur::from_calibrated_lens(exposure_s, lens_blur_px),
         None => MotionBlur::from_exposure(exposure_s),
     };
+    let motion_blur = optics.sigma_blur.map_or(motion_blur, |sigma| motion_blur.with_sigma_blur(sigma));
     setup.with_motion_blur(motion_blur).map_err(by_its_key)
 }
 
-/// A parameter that the library refuses, under its key in the file.
-fn by_its_key(error: ParameterError) -> Error {
-    let name = error.parameter;
-    if name == "distortion" {
-        return anyhow!("`camera.distortion` folds over at radius {:.3}: it must be {}", error.value, error.expected);
-    }
-    match KEYS.iter().find(|(_, keys)| keys.contains(&name)) {
-        Some((section, _)) => anyhow!("`{section}.{name}` is {}, but must be {}", error.value, error.expected),
-        None => error.into(),
-    }
-}
-
-fn optics(camera: &Section<'_>) -> Result<Optics> {
-    Ok(Optics {
-        exposure_s: camera.number("exposure_s", Bounds::above_zero(60.0, "seconds"))?,
-        lens_blur_px: camera.number("lens_blur_px", Bounds::above_zero(1000.0, "pixels, one sigma"))?,
-    })
-}
-
-fn lens(section: &Section<'_>) -> Result<Camera<f64>> {
-    let columns = section.required("columns", SIZE)? as u16;
-    let rows = section.required("rows", SIZE)? as u16;
-    let fx = focal_length_px(section)?;
-    let centred = Intrinsics::centred(columns, rows, fx);
-    let intrinsics = Intrinsics {
-        fy: section.number("fy", FOCAL_PX)?.unwrap_or(fx),
-        cx: section.number("cx", PIXELS)?.unwrap_or(centred.cx),
-        cy: section.number("cy", PIXELS)?.unwrap_or(centred.cy),
-        ..centred
-    };
-    let coefficient = Bounds::number(-1000.0, 1000.0, "coefficient of distortion");
-    let coefficients = section.numbers("distortion", coefficient, "k1, k2, p1, p2, k3 (OpenCV's order)")?;
-    let distortion = coefficients.map_or(Distortion::NONE, Distortion::from_opencv);
-    Camera::new(intrinsics, distortion).map_err(by_its_key)
-}
-
-fn focal_length_px(section: &Section<'_>) -> Result<f64> {
-    let parts = ["focal_length_mm", "pixel_pitch_um"];
-    let given = parts.map(|key| section.has(key));
-    let both = "`camera.fx`, or `camera.focal_length_mm` and `camera.pixel_pitch_um`";
-    match (section.has("fx"), given) {
-        (true, [false, false]) => section.required("fx", FOCAL_PX),
-        (false, [false, false]) => Err(anyhow!("the focal length is missing: give {both}")),
-        (true, _) => Err(anyhow!("the focal length is given twice: give {both}, not all")),
-        (false, _) => {
-            let focal_length_mm = section.required(parts[0], Bounds::above_zero(10_000.0, "mm"))?;
-            let pixel_pitch_um = section.required(parts[1], Bounds::above_zero(10_000.0, "µm"))?;
-            let fx = focal_length_mm / pixel_pitch_um * 1000.0;
-            let asked = "`camera.focal_length_mm` / `camera.pixel_pitch_um` × 1000";
-            if FOCAL_PX.contain(fx) { Ok(fx) } else { Err(anyhow!("{asked} is {fx}, but must be {FOCAL_PX}")) }
-        }
-    }
-}
-
-fn readout(section: &Section<'_>) -> Result<Readout> {
-    const FRAME: Bounds =
-        Bounds::above_zero(60.0, "seconds for the whole frame; a global shutter has no effect to measure");
-    const LINE: Bounds = Bounds::above_zero(60e6, "microseconds; a global shutter has no effect to measure");
-    let rows = section.required("rows", SIZE)? as u16;
-    let (key, line_time_ps) = match (section.has("readout_s"), section.has("line_time_us")) {
-        (true, false) => ("readout_s", section.required("readout_s", FRAME)? * 1e12 / f64::from(rows)),
-        (false, true) => ("line_time_us", section.required("line_time_us", LINE)? * 1e6),
-        (true, true) => return Err(anyhow!("`camera.readout_s` and `camera.line_time_us` say the same: give one")),
-        (false, false) => {
-            return Err(anyhow!("the readout time is missing: give `camera.readout_s` or `camera.line_time_us`"));
-        }
-    };
-    let direction = match section.choice("direction", ["top-to-bottom", "bottom-to-top"])? {
-        Some(1) => ReadoutDirection::BottomToTop,
-        _ => ReadoutDirection::TopToBottom,
-    };
-    let readout = Readout::from_line_time_ps(rows, line_time_ps.round() as u64, direction);
-    readout.map_err(|error| section.refuse(key, error.expected))
-}
-
+/// What the file leaves out is as the library assumes it.
 fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_>) -> Result<Uncertainty<f64>> {
     let rate = Bounds::number(0.0, 1.0, "rad/s, one standard deviation");
+    let roughness = Bounds::number(0.0, 1.0, "pixels, one standard deviation");
     let degrees = |section: &Section<'_>, key, default: f64| -> Result<f64> {
         Ok(section.number(key, DEGREES)?.unwrap_or(default).to_radians())
     };
-    let or_exact =
-        |section: &Section<'_>, key, bounds| -> Result<f64> { Ok(section.number(key, bounds)?.unwrap_or(0.0)) };
-    Ok(Uncertainty::NONE
+    let usual: Uncertainty<f64> = Uncertainty::default();
+    let sigma_speed = motion.number("sigma_speed", RELATIVE)?.unwrap_or(usual.sigma_speed);
+    let sigma_rate_rad_s = motion.number("sigma_rate_rad_s", rate)?.unwrap_or(usual.sigma_rate_rad_s);
+    let sigma_readout = camera.number("sigma_readout", RELATIVE)?.unwrap_or(usual.sigma_readout);
+    let sigma_focal = camera.number("sigma_focal", RELATIVE)?.unwrap_or(usual.sigma_focal);
+    let edge_roughness_px = camera.number("edge_roughness_px", roughness)?.unwrap_or(usual.edge_roughness_px);
+    let seconds = Bounds::number(0.0, 1.0, "seconds, one standard deviation");
+    let sigma_time_s = motion.number("sigma_time_s", seconds)?.unwrap_or(usual.sigma_time_s);
+    Ok(usual
         .with_sigma_tilt(degrees(attitude, "sigma_tilt_deg", 0.1)?)
         .with_sigma_gravity(degrees(attitude, "sigma_gravity_deg", 0.0)?)
-        .with_sigma_speed(or_exact(motion, "sigma_speed", RELATIVE)?)
-        .with_sigma_rate_rad_s(or_exact(motion, "sigma_rate_rad_s", rate)?)
-        .with_sigma_readout(or_exact(camera, "sigma_readout", RELATIVE)?)
-        .with_sigma_focal(or_exact(camera, "sigma_focal", RELATIVE)?))
+        .with_sigma_speed(sigma_speed)
+        .with_sigma_rate_rad_s(sigma_rate_rad_s)
+        .with_sigma_readout(sigma_readout)
+        .with_sigma_focal(sigma_focal)
+        .with_edge_roughness_px(edge_roughness_px)
+        .with_sigma_time_s(sigma_time_s))
 }
 
 fn twist(motion: &Section<'_>, attitude: &Section<'_>, default_velocity_m_s: Option<[f64; 3]>) -> Result<Twist<f64>> {

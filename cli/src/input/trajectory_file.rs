@@ -8,6 +8,7 @@ use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
 use super::setup::{DIRECTION, RATE, SPEED};
 use super::table_file::{Columns, Record, TableFile};
+use super::usual::{self, Usual};
 
 /// In the axes of the camera at this instant.
 #[derive(Clone, Copy)]
@@ -34,12 +35,12 @@ const COLUMNS: Columns = Columns {
 const TIME: Bounds = Bounds::number(-1e6, 1e6, "seconds since the start of the first frame");
 
 /// At least two samples, in the order of time.
-pub(crate) fn load(path: &Path) -> Result<Vec<Sample>> {
+pub(crate) fn load(path: &Path, usual: &Usual) -> Result<Vec<Sample>> {
     let text = bounded_read::read_text(path, &LIMIT)?;
-    parse(&text).with_context(|| path.display().to_string())
+    parse(&text, usual).with_context(|| path.display().to_string())
 }
 
-fn parse(text: &str) -> Result<Vec<Sample>> {
+fn parse(text: &str, usual: &Usual) -> Result<Vec<Sample>> {
     let table = TableFile::parse(text, &COLUMNS)?;
     let given = GRAVITY.map(|name| table.has(name));
     ensure!(given == [given[0]; 3], "the header must name all of `gx`, `gy` and `gz`, or none");
@@ -51,6 +52,7 @@ fn parse(text: &str) -> Result<Vec<Sample>> {
             let expected = format!("above {}, that of the line before", last.time_ns as f64 / 1e9);
             return Err(record.refuse("time_s", expected));
         }
+        refuse_unusual(record.at, &sample, usual)?;
         samples.push(sample);
     }
     ensure!(samples.len() >= 2, "{} samples, but there must be at least 2", samples.len());
@@ -64,6 +66,21 @@ fn sample(record: &Record<'_>, has_gravity: bool) -> Result<Sample> {
         rate_rad_s: vector(record, ROTATION, RATE)?,
         gravity: if has_gravity { Some(direction(record)?) } else { None },
     })
+}
+
+/// As in a setup, under the keys that the columns stand for.
+fn refuse_unusual(at: usize, sample: &Sample, usual: &Usual) -> Result<()> {
+    let columns = |names: [&str; 3], vector: [f64; 3]| {
+        let [x, y, z] = names;
+        format!("line {at}: `{x}`, `{y}`, `{z}` are {vector:?}")
+    };
+    let (velocity, rate) = (sample.velocity_m_s, sample.rate_rad_s);
+    usual.check("velocity_m_s", usual::speed(velocity), || columns(VELOCITY, velocity))?;
+    usual.check("rate_rad_s", usual::rate(rate), || columns(ROTATION, rate))?;
+    match sample.gravity {
+        Some(gravity) => usual.check("gravity", usual::gravity(gravity), || columns(GRAVITY, gravity)),
+        None => Ok(()),
+    }
 }
 
 fn vector(record: &Record<'_>, [x, y, z]: [&str; 3], bounds: Bounds) -> Result<[f64; 3]> {

@@ -43,12 +43,28 @@ fn write_frame(frame: &Frame, colours: bool, text: &mut String) {
         }
         table.write_to(text);
     }
+    for (index, range) in frame.ranges.iter().enumerate() {
+        write_post(frame, index, range, text);
+    }
     if frame.stray_edges > 0 {
         let _ = writeln!(text, "{} stray edge points: they belong to no line", frame.stray_edges);
     }
     if frame.dropped_edges > 0 || frame.dropped_lines > 0 {
         let (edges, lines) = (frame.dropped_edges, frame.dropped_lines);
         let _ = writeln!(text, "dropped because the tables were full: {edges} edge points, {lines} lines");
+    }
+    for hint in &frame.hints {
+        let _ = writeln!(text, "hint: {hint}");
+    }
+}
+
+/// One line for each post, at its left side.
+fn write_post(frame: &Frame, index: usize, range: &RangeReport, text: &mut String) {
+    let other = range.post.filter(|other| *other > index).and_then(|other| frame.ranges.get(other));
+    if let (Some(other), Some(distance), Some(sigma)) = (other, range.post_distance_m, range.post_sigma_m) {
+        let [left, right] = [range, other].map(|side| format!("{:.2}@{}", side.column_at_first_row, side.first_row));
+        let _ =
+            writeln!(text, "post between {left} and {right}: its middle is {} m away", with_sigma(distance, sigma, 2));
     }
 }
 

@@ -3,6 +3,9 @@
 use serde::{Serialize, Serializer};
 use shutter_range::{Counters, ErrorSource, Polarity, Range, RangeStatus, Sigmas};
 
+use crate::ranging::frame_sequence::FrameRanges;
+use crate::ranging::post::Post;
+
 #[derive(Serialize)]
 pub(crate) struct Document {
     pub(crate) frames: Vec<Frame>,
@@ -19,6 +22,11 @@ pub(crate) struct Frame {
     pub(crate) stray_edges: u32,
     pub(crate) dropped_edges: u32,
     pub(crate) dropped_lines: u32,
+    /// The direction of down in the camera's axes, as used.
+    pub(crate) gravity: [f64; 3],
+    pub(crate) sigma_gravity_deg: f64,
+    /// Sentences for a person.
+    pub(crate) hints: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -53,28 +61,37 @@ pub(crate) struct RangeReport {
     pub(crate) edges_used: u16,
     /// Goodness of fit: residuals in units of their stated noise.
     pub(crate) misfit: f64,
+    /// The index of the other side of the post that the edge is a side of; null where it is none.
+    pub(crate) post: Option<usize>,
+    /// To the middle of the post; null where its inverse depth is within three sigma of zero.
+    pub(crate) post_distance_m: Option<f64>,
+    pub(crate) post_sigma_m: Option<f64>,
 }
 
 impl Frame {
-    /// With the ranges from left to right, whatever the order in which the lines ended.
-    pub(crate) fn new(name: String, ranges: &mut [Range<f64>], counters: Counters) -> Self {
-        ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
+    pub(crate) fn new(name: String, torn: bool, found: &FrameRanges, counters: &Counters, hints: Vec<String>) -> Self {
+        let [x, y, z] = found.gravity;
         Self {
             name,
-            torn: false,
-            ranges: ranges.iter().map(RangeReport::new).collect(),
+            torn,
+            ranges: found.ranges.iter().zip(&found.posts).map(|(range, post)| RangeReport::new(range, *post)).collect(),
             edges: counters.points,
             stray_edges: counters.stray_points,
             dropped_edges: counters.dropped_points,
             dropped_lines: counters.dropped_lines,
+            // No component is "-0".
+            gravity: [x + 0.0, y + 0.0, z + 0.0],
+            sigma_gravity_deg: found.sigma_gravity_rad.to_degrees(),
+            hints: hints.into_iter().chain(found.hint.clone()).collect(),
         }
     }
 }
 
 impl RangeReport {
-    fn new(range: &Range<f64>) -> Self {
+    fn new(range: &Range<f64>, post: Option<Post>) -> Self {
         const BOUNDS: Sigmas<f64> = Sigmas(2.0);
         let (estimate, depth) = (&range.estimate, range.depth(BOUNDS));
+        let middle = post.and_then(|post| post.distance_m);
         Self {
             bearing: estimate.bearing,
             inverse_depth_per_m: estimate.inverse_depth_per_m,
@@ -99,6 +116,9 @@ impl RangeReport {
             dominant: source(estimate.budget.dominant()),
             edges_used: range.points_used,
             misfit: estimate.misfit,
+            post: post.map(|post| post.other),
+            post_distance_m: middle.map(|(distance, _)| distance),
+            post_sigma_m: middle.map(|(_, sigma)| sigma),
         }
     }
 }

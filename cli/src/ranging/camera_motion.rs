@@ -7,7 +7,9 @@ use shutter_range::{
     FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, TrajectoryGap, Twist,
 };
 
+use super::frame_starts::FrameStarts;
 use crate::arguments::MotionArgs;
+use crate::input::frame_times::FrameName;
 use crate::input::setup::{self, SetupFile};
 use crate::input::trajectory_file::{self, Sample};
 
@@ -18,8 +20,7 @@ const SAMPLES: usize = 4096;
 const TRUSTED_INTERVALS: u64 = 3;
 
 pub(crate) struct CameraMotion {
-    /// From the start of one frame to that of the next; `None` where frames are independent of each other.
-    interval_s: Option<f64>,
+    starts: FrameStarts,
     /// When the last row is read, since the start of its frame.
     last_row_ns: i64,
     source: Source,
@@ -52,42 +53,41 @@ impl MotionArgs {
 
     /// Refuses a number of frames that needs further arguments.
     pub(crate) fn check_frames(&self, frames: usize) -> Result<(), String> {
-        if self.trajectory.is_some() && self.frame_interval_s.is_none() && frames > 1 {
-            let needed = "--trajectory for several frames needs --frame-interval-s: when does each of them start?";
-            return Err(needed.to_string());
+        let is_sequence = self.frame_interval_s.is_some() || self.frame_times.is_some();
+        if self.trajectory.is_some() && !is_sequence && frames > 1 {
+            let needed = "--trajectory for several frames needs --frame-interval-s or --frame-times";
+            return Err(format!("{needed}: when does each of them start?"));
         }
         Ok(())
     }
 }
 
 impl CameraMotion {
-    pub(crate) fn new(arguments: &MotionArgs, file: &SetupFile) -> Result<Self> {
+    /// For these frames in their order, with their numbers.
+    pub(crate) fn new(arguments: &MotionArgs, file: &SetupFile, frames: Vec<(i64, FrameName)>) -> Result<Self> {
+        let starts = FrameStarts::new(arguments, frames)?;
+        starts.check(file)?;
         let source = match &arguments.trajectory {
-            Some(path) => Source::Measured(Measured::load(path, file.motion.gravity())?),
+            Some(path) => Source::Measured(Measured::load(path, file)?),
             None => Source::Constant(file.motion),
         };
         let readout = file.setup.readout();
         let last_row_ns = readout.row_time_ns(readout.row_after(u16::MAX));
-        Ok(Self { interval_s: arguments.frame_interval_s, last_row_ns, source })
+        Ok(Self { starts, last_row_ns, source })
     }
 
     pub(crate) fn is_sequence(&self) -> bool {
-        self.interval_s.is_some()
+        self.starts.is_sequence()
     }
 
     /// Seconds from the start of a frame to that of the next one; zero where there is none.
     pub(crate) fn to_next_s(&self, number: i64, next: Option<i64>) -> f64 {
-        next.map_or(0.0, |next| self.start_s(next) - self.start_s(number))
-    }
-
-    /// Seconds from the start of frame 0 to that of another.
-    fn start_s(&self, number: i64) -> f64 {
-        number as f64 * self.interval_s.unwrap_or(0.0)
+        next.map_or(0.0, |next| self.starts.start_s(next) - self.starts.start_s(number))
     }
 
     /// The motion of a frame from its start to its last row, and to the start of the next frame, if there is one.
     pub(crate) fn in_frame(&mut self, number: i64, next: Option<i64>) -> Result<MotionInFrame<'_>> {
-        let start_s = self.start_s(number);
+        let start_s = self.starts.start_s(number);
         let to_next_s = self.to_next_s(number, next);
         let (start_ns, until_ns) = (nanoseconds(start_s), self.last_row_ns.max(nanoseconds(to_next_s)));
         match &mut self.source {
@@ -119,11 +119,11 @@ fn in_axes_of(pose: &Pose<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
 }
 
 impl Measured {
-    fn load(path: &Path, gravity: [f64; 3]) -> Result<Box<Self>> {
-        let mut samples = trajectory_file::load(path)?;
+    fn load(path: &Path, file: &SetupFile) -> Result<Box<Self>> {
+        let mut samples = trajectory_file::load(path, &file.usual)?;
         let max_gap_ns = TRUSTED_INTERVALS * usual_interval_ns(&samples);
         if samples.iter().all(|sample| sample.gravity.is_none()) {
-            propagate_gravity(&mut samples, gravity, max_gap_ns)?;
+            propagate_gravity(&mut samples, file.motion.gravity(), max_gap_ns)?;
         }
         Ok(Box::new(Self { samples, window: Trajectory::new(config(max_gap_ns)) }))
     }

@@ -4,6 +4,8 @@ use anyhow::Result;
 use shutter_range::{LensBlur, Line, Motion, MotionBlur, Pose, Range, Sequence, Setup};
 
 use super::camera_motion::{CameraMotion, MotionInFrame};
+use super::hints;
+use super::post::{self, Post};
 use super::tracking::KNOTS;
 use crate::input::setup::SetupFile;
 
@@ -18,6 +20,18 @@ pub(crate) struct FrameSequence {
     sequence: Option<Box<Sequence<f64, LANDMARKS>>>,
     /// The way from the start of this frame to that of the next: the camera's pose there, and the seconds in between.
     to_next: Option<(Pose<f64>, f64)>,
+}
+
+/// What is told of a frame's lines.
+pub(crate) struct FrameRanges {
+    /// From left to right, whatever the order in which the lines ended.
+    pub(crate) ranges: Vec<Range<f64>>,
+    /// For each range the post that it is a side of, if there is one.
+    pub(crate) posts: Vec<Option<Post>>,
+    /// The direction of down that was used.
+    pub(crate) gravity: [f64; 3],
+    pub(crate) sigma_gravity_rad: f64,
+    pub(crate) hint: Option<String>,
 }
 
 impl FrameSequence {
@@ -49,8 +63,20 @@ impl FrameSequence {
         }
     }
 
-    /// The ranges of a frame's lines.
-    pub(crate) fn ranges(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
+    /// The ranges of a frame's lines, and what follows from all of them together.
+    pub(crate) fn frame(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<FrameRanges> {
+        let mut ranges = self.ranges(motion, lines)?;
+        ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
+        Ok(FrameRanges {
+            posts: post::posts(&ranges),
+            gravity: motion.gravity(),
+            sigma_gravity_rad: self.setup.uncertainty().sigma_gravity,
+            hint: hints::of_ranges(&ranges, &self.setup),
+            ranges,
+        })
+    }
+
+    fn ranges(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
         let Some(sequence) = &mut self.sequence else {
             return self.independent_ranges(motion, lines);
         };

@@ -1,5 +1,9 @@
 //! Ranges from edge points, through the library: lines, the motion of the camera, and the sequence of frames.
 
+pub(crate) mod stamps;
 pub(crate) mod tracking;
+pub(crate) mod frame_starts;
 pub(crate) mod camera_motion;
+pub(crate) mod post;
+pub(crate) mod hints;
 pub(crate) mod frame_sequence;

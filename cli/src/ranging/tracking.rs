@@ -19,14 +19,13 @@ pub(crate) struct Tracked {
     pub(crate) counters: Counters,
 }
 
-/// The lines of one frame.
-pub(crate) fn track(mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Tracked> {
+/// The lines of one frame, from its points in the order of readout.
+pub(crate) fn track(points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Tracked> {
     if points.is_empty() {
         return Ok(Tracked::default());
     }
     let setup = with_limits_for_sparse_rows(setup, &points)?;
     let readout = setup.readout();
-    points.sort_by_key(|point| (readout.rows_before(point.point.row), point.point.column_q16));
     let step = usual_step(&points, readout);
     let mut ranger = Box::new(LargeRanger::new());
     let mut lines = Vec::new();
@@ -38,7 +37,7 @@ pub(crate) fn track(mut points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Tr
         }
         for point in row_points {
             let taken = ranger.edge_point(&setup, point.point);
-            taken.map_err(|error| refused(point, previous, error))?;
+            taken.map_err(|error| refused(point, error))?;
         }
         lines.extend(std::iter::from_fn(|| ranger.next_line()));
         previous = Some(first.point.row);
@@ -89,24 +88,13 @@ fn end_empty_rows(ranger: &mut LargeRanger, setup: &Setup<f64>, previous: u16, n
     Ok(())
 }
 
-fn refused(point: &FilePoint, previous_row: Option<u16>, error: EdgeError) -> Error {
+fn refused(point: &FilePoint, error: EdgeError) -> Error {
     let (at, row) = (point.at, point.point.row);
     match error {
         EdgeError::Duplicate { .. } => {
             let column = point.point.column_px::<f64>();
             anyhow!("line {at}: `row` {row}, `column` {column} comes twice, but must come once")
         }
-        EdgeError::TimeOrder { .. } => anyhow!("line {at}: {}", time_order(point, previous_row.unwrap_or(row))),
         other => anyhow!("line {at}: {other}"),
     }
-}
-
-/// The message for times that contradict the order of readout.
-pub(crate) fn time_order(point: &FilePoint, previous_row: u16) -> String {
-    format!(
-        "`time_s` is {}, earlier than on row {previous_row}, which was read before row {}: \
-         check the stamps and `camera.direction`",
-        point.point.time_ns as f64 * 1e-9,
-        point.point.row
-    )
 }

@@ -88,6 +88,57 @@ fn white_is_what_the_file_says() {
     assert_bands(&only(coarse, &[]), 0.1);
 }
 
+/// Grey levels of so many bits, in a container of 16.
+fn of_bits(bits: u32) -> ImageBuffer<Luma<u16>, Vec<u16>> {
+    let most = (1_u32 << bits) - 1;
+    let painted = painted();
+    let level = |x, row| (u32::from(painted.get_pixel(x, row).0[0]) * most / 255) as u16;
+    ImageBuffer::from_fn(640, 480, |x, row| Luma([level(x, row)]))
+}
+
+#[test]
+fn levels_of_more_bits_are_scaled_by_their_own_range() {
+    let eight = only(png(painted()), &[]);
+    for bits in [10, 12, 14, 16] {
+        let setup = SETUP.replace("fx = 600", &format!("fx = 600\nbits = {bits}"));
+        for format in [ImageFormat::Png, ImageFormat::Pnm] {
+            let folder = Folder::new().with("setup.toml", &setup).with("picture", encoded(of_bits(bits), format));
+            let document = frame(&folder, &["picture", "--json"]).json();
+            assert_eq!(document["frames"][0], eight, "{bits} bits");
+        }
+    }
+    // A file that states its range needs no more.
+    let setup = SETUP.replace("fx = 600", "fx = 600\nbits = 10");
+    let mut file = b"P5 640 480 1023\n".to_vec();
+    file.extend(of_bits(10).as_raw().iter().flat_map(|level| level.to_be_bytes()));
+    let folder = Folder::new().with("setup.toml", setup).with("picture", file).with("8bit.png", png(painted()));
+    let document = frame(&folder, &["picture", "8bit.png", "--json"]).json();
+    assert_eq!(
+        (&document["frames"][0]["ranges"], &document["frames"][1]["ranges"]),
+        (&eight["ranges"], &eight["ranges"])
+    );
+}
+
+#[test]
+fn levels_of_more_bits_than_the_setup_says_are_refused() {
+    let setup = SETUP.replace("fx = 600", "fx = 600\nbits = 10");
+    let levels = of_bits(12);
+    let most = levels.iter().max().expect("pixels");
+    let folder = Folder::new().with("setup.toml", setup).with("picture", encoded(levels.clone(), ImageFormat::Png));
+    let outcome = frame(&folder, &["picture"]);
+    let limit = "but must be at most 1023 (`camera.bits` of the setup is 10)";
+    assert_eq!((outcome.code, outcome.stderr), (1, format!("error: picture: a grey level is {most}, {limit}\n")));
+}
+
+#[test]
+fn an_overlay_shows_levels_of_ten_bits_as_bright_as_they_are() {
+    let setup = SETUP.replace("fx = 600", "fx = 600\nbits = 10");
+    let folder = Folder::new().with("setup.toml", setup).with("a.png", encoded(of_bits(10), ImageFormat::Png));
+    assert_eq!(frame(&folder, &["a.png", "--overlay", "seen.png"]).code, 0);
+    let seen = image::load_from_memory(&folder.read("seen.png")).expect("a picture").into_rgb8();
+    assert_eq!(seen.get_pixel(639, 0).0, [painted().get_pixel(639, 0).0[0]; 3]);
+}
+
 #[test]
 fn bottom_to_top() {
     let setup = SETUP.replace("fx = 600", "fx = 600\ndirection = \"bottom-to-top\"");

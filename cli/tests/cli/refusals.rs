@@ -141,10 +141,46 @@ fn values_of_a_setup() {
         "`attitude.sigma_tilt_deg` is -0.1, but must be a number from 0 to 45 (degrees, one standard deviation)",
     );
     refuse_setup(
-        "[motion]",
-        "[motion]\nsigma_speed = nan",
+        "sigma_speed = 0",
+        "sigma_speed = nan",
         "`motion.sigma_speed` is nan, but must be a number from 0 to 1 (relative, one standard deviation)",
     );
+}
+
+#[test]
+fn values_of_keys_about_pixels_are_checked() {
+    let response = "\"linear\", \"srgb\", \"gamma 2.2\" (or another number from 1 to 5) or \"unknown\"";
+    for value in ["\"log\"", "\"gamma\"", "\"gamma 0.45\"", "\"gamma nan\"", "2.2"] {
+        let message = format!("`camera.response` is {value}, but must be {response}");
+        refuse_setup("fx = 600", &format!("fx = 600\nresponse = {value}"), &message);
+    }
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nbits = 24",
+        "`camera.bits` is 24, but must be a whole number from 8 to 16 (significant bits of a grey level)",
+    );
+    refuse_setup(
+        "fx = 600",
+        "fx = 600\nsigma_blur = -1",
+        "`camera.sigma_blur` is -1, but must be a number from 0 to 10 (one sigma of a logarithm)",
+    );
+    refuse_setup(
+        "edge_roughness_px = 0",
+        "edge_roughness_px = 2",
+        "`camera.edge_roughness_px` is 2, but must be a number from 0 to 1 (pixels, one standard deviation)",
+    );
+}
+
+/// What has no effect yet must not look as if it had one.
+#[test]
+fn an_uncertain_time_between_frames_is_refused() {
+    refuse_setup(
+        "[motion]",
+        "[motion]\nsigma_time_s = 0.001",
+        "`motion.sigma_time_s` is 0.001, but must be 0: the time between two frames is taken as exact so far",
+    );
+    let exact = SETUP.replace("[motion]", "[motion]\nsigma_time_s = 0.0");
+    assert_eq!(Folder::of(&exact, POINTS).edges().code, 0);
 }
 
 #[test]
@@ -168,15 +204,22 @@ fn focal_length_once() {
 
 #[test]
 fn readout_once() {
+    let ways = "`camera.readout_s`, `camera.line_time_us`, or `camera.line_length_clocks` and `camera.pixel_clock_hz`";
+    refuse_setup("readout_s = 0.0333", "", &format!("the readout time is missing: give {ways}"));
+    for other in ["line_time_us = 69", "line_length_clocks = 1665", "pixel_clock_hz = 24e6"] {
+        let message = format!("the readout time is given twice: give {ways}, not several");
+        refuse_setup("fx = 600", &format!("fx = 600\n{other}"), &message);
+    }
     refuse_setup(
         "readout_s = 0.0333",
-        "",
-        "the readout time is missing: give `camera.readout_s` or `camera.line_time_us`",
+        "line_length_clocks = 1665",
+        "`camera.pixel_clock_hz` is missing: it must be a number above 0, at most 1000000000000 (Hz)",
     );
     refuse_setup(
         "fx = 600",
-        "fx = 600\nline_time_us = 69",
-        "`camera.readout_s` and `camera.line_time_us` say the same: give one",
+        "fx = 600\nsensor_rows_per_row = 2",
+        "`camera.sensor_rows_per_row` is 2, but must be 1 or left out beside `camera.readout_s`, which is the time of all \
+         rows already",
     );
     refuse_setup(
         "0.0333",
@@ -216,7 +259,7 @@ fn vectors_of_a_setup() {
         "`motion.velocity_m_s` is -1.5, but must be 3 numbers: x right, y down, z forward (m/s)",
     );
     refuse_setup(
-        "[motion]\nvelocity_m_s = [-1.5, 0, 0]\n",
+        "velocity_m_s = [-1.5, 0, 0]\n",
         "",
         "`motion.velocity_m_s` is missing: it must be 3 numbers: x right, y down, z forward (m/s)",
     );
@@ -278,7 +321,7 @@ fn values_of_edges() {
     refuse_edges("row,column\n1,2,3\n", "line 2: 3 values, but must be 2, one for each column of the header");
     refuse_edges(
         "row,column,time_s\n1,2,inf\n",
-        "line 2: `time_s` is `inf`, but must be a number from -3600 to 3600 (seconds since frame start)",
+        "line 2: `time_s` is `inf`, but must be a number from -4000000000 to 4000000000 (seconds since frame start)",
     );
     refuse_edges(
         "row,column,sigma_px\n1,2,0\n",

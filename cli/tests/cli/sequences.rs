@@ -79,10 +79,10 @@ fn frames_on_their_own_have_no_names() {
     }
 }
 
-/// The error that all edges share is relative to the depth.
+/// The error that all edges share is relative to the depth. Two percent is what is assumed of a speed.
 #[test]
 fn a_speed_that_is_known_to_two_percent() {
-    let setup = setup(0.0, "").replace("[motion]\n", "[motion]\nsigma_speed = 0.02\n");
+    let setup = setup(0.0, "").replace("sigma_speed = 0\n", "");
     let (folder, _) = simulated(&setup);
     for range in ranges(&frame(&folder, &["--frame-interval-s", "0.04"]), FRAMES - 1) {
         assert_near(number(range, "sigma_common"), 0.02, 1e-3);
@@ -93,7 +93,7 @@ fn a_speed_that_is_known_to_two_percent() {
 /// If the exposure is known, a single frame is enough.
 #[test]
 fn the_blur_measures_the_lean() {
-    let (folder, _) = simulated(&setup(0.5, "exposure_s = 0.008\nlens_blur_px = 0.7\n"));
+    let (folder, _) = simulated(&setup(0.5, "exposure_s = 0.008\nlens_blur_px = 0.7\nresponse = \"linear\"\n"));
     let blind = setup(0.5, "");
     let relative_error = |folder: &Folder| {
         let found = frame(folder, &[]);

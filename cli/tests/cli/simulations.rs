@@ -73,7 +73,7 @@ fn what_is_simulated_is_found() {
 fn with_a_known_exposure_the_blur_shows_a_lean() {
     // Leans as if it were three times as near, but is not blurred as much.
     let scene = SCENE.replace("level = 60", "level = 60\nlean_deg = 2");
-    let exposed = SETUP.replace("fx = 600", "fx = 600\nexposure_s = 0.01\nlens_blur_px = 0.7");
+    let exposed = SETUP.replace("fx = 600", "fx = 600\nexposure_s = 0.01\nlens_blur_px = 0.7\nresponse = \"linear\"");
     let folder = Folder::new().with("setup.toml", exposed).with("unaware.toml", SETUP).with("scene.toml", scene);
     assert_eq!(simulate(&folder, &["--out", "out", "--scene", "scene.toml"]).code, 0);
     let statuses = |setup: &str| {

@@ -15,8 +15,12 @@ columns = 640
 rows = 480
 fx = 600
 readout_s = 0.0333
+sigma_readout = 0
+sigma_focal = 0
+edge_roughness_px = 0
 [motion]
 velocity_m_s = [-1.5, 0, 0]
+sigma_speed = 0
 [attitude]
 sigma_tilt_deg = 0
 ";

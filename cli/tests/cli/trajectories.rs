@@ -9,9 +9,9 @@ use crate::tool::{Folder, Outcome, SETUP, assert_near, column, number};
 
 const HEADER: &str = "time_s,vx,vy,vz,wx,wy,wz";
 
-/// [`SETUP`] without its motion.
+/// [`SETUP`] without its velocity.
 fn setup_without_motion() -> String {
-    SETUP.replace("[motion]\nvelocity_m_s = [-1.5, 0, 0]\n", "")
+    SETUP.replace("velocity_m_s = [-1.5, 0, 0]\n", "")
 }
 
 /// A trajectory of constant values, every 10 ms from -0.1 s on.
@@ -135,7 +135,7 @@ fn a_constant_trajectory_is_the_setups_motion() {
             assert_near(number(range, key), number(&expected, key), 1e-9);
         }
     }
-    let uncertain = setup_without_motion().replace("[attitude]", "[motion]\nsigma_speed = 0.1\n[attitude]");
+    let uncertain = setup_without_motion().replace("sigma_speed = 0", "sigma_speed = 0.1");
     let drive = format!("{HEADER}\n{}", constant(30, "-1.5,0,0,0,0,0"));
     let document = edges(&uncertain, &text, &drive, &[]).json();
     let range = &document["frames"][0]["ranges"][0];

@@ -1,0 +1,71 @@
+//! [`FrameStarts`]: when each frame starts, and whether frames are one sequence at all.
+
+use std::collections::BTreeMap;
+
+use anyhow::{Result, ensure};
+
+use crate::arguments::MotionArgs;
+use crate::input::frame_times::{self, FrameName};
+use crate::input::setup::SetupFile;
+
+/// Frames have numbers: those of a file of edges, or their places on the command line.
+pub(crate) enum FrameStarts {
+    /// No frame knows of another.
+    Independent,
+    /// So many seconds from one number to the next.
+    Every(f64),
+    /// Seconds since the start of the first one.
+    At(BTreeMap<i64, f64>),
+}
+
+impl FrameStarts {
+    /// For these frames in their order.
+    pub(crate) fn new(arguments: &MotionArgs, frames: Vec<(i64, FrameName)>) -> Result<Self> {
+        let (numbers, names): (Vec<i64>, Vec<FrameName>) = frames.into_iter().unzip();
+        Ok(match (arguments.frame_interval_s, &arguments.frame_times) {
+            (Some(interval_s), _) => Self::Every(interval_s),
+            (None, Some(path)) => Self::At(numbers.into_iter().zip(frame_times::load(path, &names)?).collect()),
+            (None, None) => Self::Independent,
+        })
+    }
+
+    pub(crate) fn is_sequence(&self) -> bool {
+        !matches!(self, Self::Independent)
+    }
+
+    /// Seconds since the start of the first frame, or of that with number 0.
+    pub(crate) fn start_s(&self, number: i64) -> f64 {
+        match self {
+            Self::Independent => 0.0,
+            Self::Every(interval_s) => number as f64 * interval_s,
+            Self::At(starts) => starts.get(&number).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The shortest time from one frame to the next.
+    fn least_interval_s(&self) -> Option<f64> {
+        match self {
+            Self::Independent => None,
+            Self::Every(interval_s) => Some(*interval_s),
+            Self::At(starts) => {
+                let pairs = starts.values().zip(starts.values().skip(1));
+                pairs.map(|(before, after)| after - before).reduce(f64::min)
+            }
+        }
+    }
+
+    /// Refuses frames that start before the one before them has been read, and exposures that last longer than a frame.
+    pub(crate) fn check(&self, file: &SetupFile) -> Result<()> {
+        let interval_s = self.least_interval_s();
+        if let Some(interval_s) = interval_s {
+            let readout_s = file.readout_s();
+            let line_time_s = readout_s / f64::from(file.setup.readout().rows());
+            ensure!(
+                interval_s >= readout_s - line_time_s,
+                "from one frame to the next it is {interval_s} s, but must be at least {readout_s} s, the readout of a \
+                 frame in the setup"
+            );
+        }
+        file.check_exposure(interval_s)
+    }
+}
