@@ -171,18 +171,6 @@ fn values_of_keys_about_pixels_are_checked() {
     );
 }
 
-/// What has no effect yet must not look as if it had one.
-#[test]
-fn an_uncertain_time_between_frames_is_refused() {
-    refuse_setup(
-        "[motion]",
-        "[motion]\nsigma_time_s = 0.001",
-        "`motion.sigma_time_s` is 0.001, but must be 0: the time between two frames is taken as exact so far",
-    );
-    let exact = SETUP.replace("[motion]", "[motion]\nsigma_time_s = 0.0");
-    assert_eq!(Folder::of(&exact, POINTS).edges().code, 0);
-}
-
 #[test]
 fn focal_length_once() {
     let choice = "`camera.fx`, or `camera.focal_length_mm` and `camera.pixel_pitch_um`";
