@@ -17,6 +17,7 @@ mod knots;
 mod monte_carlo;
 mod projection;
 mod readout;
+mod real_bars;
 mod real_edges;
 mod reference_lines;
 mod scanning;

@@ -1,12 +1,13 @@
 //! [`Truth`]: where an edge of the scene really is.
 
-use super::layer::{bar_in_space, level_in_image};
-use super::scene::{Bar, Object};
+use super::bar::{Bar, level_in_image};
+use super::contour::Side;
+use super::scene::Object;
 use super::simulator::Simulator;
 use super::view::{SeenLine, Vector, View};
 use crate::edge::Polarity;
 
-/// One edge of a bar, as a range finder should find it in a frame.
+/// One edge of a bar, as a range finder should find it in a frame: the straight line from which its contour departs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -15,7 +16,7 @@ pub struct Truth {
     pub bearing: f64,
     /// Depth z of that point in metres.
     pub depth_m: f64,
-    /// As seen against the background's level; [`Polarity::Unknown`] where they are equal.
+    /// As its limb is seen against the background's level; [`Polarity::Unknown`] where they are equal.
     pub polarity: Polarity,
     /// Topmost row that shows the edge: in the image, between the bar's ends and not behind a nearer object.
     pub first_row: u16,
@@ -23,22 +24,16 @@ pub struct Truth {
     pub last_row: u16,
     /// How many rows show the edge; fewer than from first to last where a nearer object hides some.
     pub visible_rows: u16,
-    /// The bar's lean as a slope; zero is upright, and a distance is to be had from upright edges only.
+    /// The edge's lean as a slope, its bar's taper included; zero is upright, and a distance is to be had from upright edges only.
     pub lean: f32,
 }
 
 impl Truth {
-    /// Whether the bar stands upright.
+    /// Whether the edge stands upright.
     #[must_use]
     pub fn is_upright(&self) -> bool {
         self.lean == 0.0
     }
-}
-
-#[derive(Clone, Copy)]
-enum Side {
-    Left,
-    Right,
 }
 
 impl<const OBJECTS: usize> Simulator<'_, OBJECTS> {
@@ -54,7 +49,7 @@ impl<const OBJECTS: usize> Simulator<'_, OBJECTS> {
 
 fn edges<'s, const OBJECTS: usize>(simulator: &'s Simulator<'_, OBJECTS>) -> impl Iterator<Item = Truth> + 's {
     simulator.scene().objects().iter().enumerate().flat_map(move |(index, object)| {
-        [Side::Left, Side::Right].into_iter().filter_map(move |side| match object {
+        Side::BOTH.into_iter().filter_map(move |side| match object {
             Object::Bar(bar) => edge(simulator, index, bar, side),
             Object::Rail(_) => None,
         })
@@ -79,9 +74,10 @@ fn edge<const OBJECTS: usize>(
         }
     }
     let background = simulator.scene().background().level;
+    let [left, right] = bar.shading.at_limbs();
     let brighter = match side {
-        Side::Left => bar.level - background,
-        Side::Right => background - bar.level,
+        Side::Left => bar.level * left - background,
+        Side::Right => background - bar.level * right,
     };
     let polarity = if brighter > 0.0 {
         Polarity::Rising
@@ -90,16 +86,20 @@ fn edge<const OBJECTS: usize>(
     } else {
         Polarity::Unknown
     };
-    Some(Truth { bearing, depth_m, polarity, first_row: first_row?, last_row, visible_rows, lean: bar.lean })
+    Some(Truth {
+        bearing,
+        depth_m,
+        polarity,
+        first_row: first_row?,
+        last_row,
+        visible_rows,
+        lean: bar.lean_of(side) as f32,
+    })
 }
 
 fn bar_edge<const OBJECTS: usize>(simulator: &Simulator<'_, OBJECTS>, view: &View, bar: &Bar, side: Side) -> SeenLine {
-    let (along, [left, right]) = bar_in_space(bar, simulator.gravity());
-    let foot = match side {
-        Side::Left => left,
-        Side::Right => right,
-    };
-    view.line(foot, along)
+    let edge = bar.edge_in_space(side, simulator.gravity());
+    view.line(edge.foot_m, edge.along)
 }
 
 /// Whether the middle of the exposure of a row shows the edge.
@@ -136,7 +136,7 @@ fn hides<const OBJECTS: usize>(
 ) -> bool {
     match object {
         Object::Bar(bar) => {
-            let [left, right] = [Side::Left, Side::Right].map(|side| bar_edge(simulator, view, bar, side));
+            let [left, right] = Side::BOTH.map(|side| bar_edge(simulator, view, bar, side));
             let lens = simulator.lens();
             match (left.cross_row(lens, row), right.cross_row(lens, row)) {
                 (Some(from), Some(to)) => {
