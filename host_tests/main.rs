@@ -7,6 +7,7 @@ mod back_ends;
 mod bad_input;
 mod blur;
 mod camera;
+mod camera_pipeline;
 mod clutter;
 mod coverage;
 mod endpoints;
