@@ -10,7 +10,7 @@ mod board;
 
 use board::say;
 use shutter_range::sim::{Background, Bar, Exposure, Rail, Scene, Simulator};
-use shutter_range::{MotionBlur, ParameterError, Range, RangeStatus, Ranger, Setup, Sigmas, Twist};
+use shutter_range::{MotionBlur, ParameterError, Range, RangeStatus, Ranger, Response, Setup, Sigmas, Twist};
 
 const COLUMNS: u16 = 320;
 const EXPOSURE_S: f32 = 0.006;
@@ -21,7 +21,7 @@ type SmallRanger = Ranger<8, 10, 24>;
 /// QVGA at 30 frames a second, with a known exposure and a calibrated lens.
 fn setup() -> Result<Setup<f32>, ParameterError> {
     let lens = MotionBlur::from_calibrated_lens(EXPOSURE_S, LENS_BLUR_PX);
-    Setup::pinhole(COLUMNS, 240, 300.0, 33_333_333)?.with_motion_blur(lens)
+    Setup::pinhole(COLUMNS, 240, 300.0, 33_333_333)?.with_response(Response::Linear).with_motion_blur(lens)
 }
 
 /// Two posts, a tower, a bar that leans like the edge of something nearer, and a rail before all of them.

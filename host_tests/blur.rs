@@ -2,7 +2,8 @@
 
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
-    ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Sequence, Setup, Twist,
+    ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Response, Sequence, Setup,
+    Twist,
 };
 
 use crate::projection;
@@ -33,7 +34,7 @@ impl Shot {
     }
 
     fn with(self, blur: MotionBlur<f32>) -> Self {
-        Self { setup: self.setup.with_motion_blur(blur).expect("sound blur"), ..self }
+        Self { setup: self.setup.with_response(Response::Linear).with_motion_blur(blur).expect("sound blur"), ..self }
     }
 
     /// A ranger that has seen one of the frames.

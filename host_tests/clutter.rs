@@ -3,7 +3,7 @@
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture, Truth};
-use shutter_range::{MotionBlur, Range, RangeStatus, Ranger, Uncertainty};
+use shutter_range::{MotionBlur, Range, RangeStatus, Ranger, Response, Uncertainty};
 
 use crate::frames::{SmallRanger, TOP, errors, moving, ranges_of, render};
 use crate::scenes::{TENTH_DEGREE, tilt_of};
@@ -43,7 +43,11 @@ fn crossing_bars_lead_no_line_astray() {
     let exposure = Exposure { time_s: 0.004, ..Exposure::default() };
     let world = moving(1.5);
     let blur = MotionBlur::from_calibrated_lens(exposure.time_s, exposure.psf_sigma_px);
-    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP).with_motion_blur(blur).expect("sound blur");
+    let setup = world
+        .setup_read::<f32>(Uncertainty::NONE, TOP)
+        .with_response(Response::Linear)
+        .with_motion_blur(blur)
+        .expect("sound blur");
     let (mut normal, mut relative, mut missed, mut wrong) = (Vec::new(), Vec::new(), 0, 0);
     for seed in 0..FRAMES {
         let (frame, truths) = render(&scene(&mut random), &world, TOP, exposure, seed);
@@ -84,7 +88,11 @@ fn texture_is_no_bar() {
             let scene = Scene::<1>::new(Background::textured(128.0, texture)).expect("sound background");
             let (frame, _) = render(&scene, &world, TOP, exposure, seed.into());
             let blur = MotionBlur::from_calibrated_lens(exposure.time_s, exposure.psf_sigma_px);
-            let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP).with_motion_blur(blur).expect("sound");
+            let setup = world
+                .setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP)
+                .with_response(Response::Linear)
+                .with_motion_blur(blur)
+                .expect("sound");
             let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
             let ok = found.iter().filter(|range| range.status == RangeStatus::Ok);
             taken.extend(ok.map(|range| (contrast, cell, seed, range.points, range.estimate)));

@@ -1,7 +1,9 @@
 //! `Ranger::row`: rendered frames in, ranges out, against the simulator's truth.
 
 use shutter_range::sim::{Background, Bar, Exposure, Object, Rail, Scene, Simulator, Texture, Truth};
-use shutter_range::{MotionBlur, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, Scalar, Setup, Uncertainty};
+use shutter_range::{
+    MotionBlur, Polarity, Range, RangeStatus, Ranger, ReadoutDirection, Response, Scalar, Setup, Uncertainty,
+};
 
 use crate::projection;
 use crate::scenes::{TENTH_DEGREE, tilt_of};
@@ -218,7 +220,7 @@ fn a_rod_three_pixels_wide() {
     let (world, exposure) = (moving(1.5), Exposure::default());
     let blur = MotionBlur::from_calibrated_lens(exposure.time_s, exposure.psf_sigma_px);
     let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
-    for setup in [setup, setup.with_motion_blur(blur).expect("sound blur")] {
+    for setup in [setup, setup.with_response(Response::Linear).with_motion_blur(blur).expect("sound blur")] {
         for seed in 1..11 {
             let bar = Bar::upright(0.02 * seed as f32 - 0.1, 2.0, 0.02, 60.0);
             let (frame, truths) = render(&scene_of(180.0, [bar.into()]), &world, TOP, exposure, seed);
@@ -325,6 +327,7 @@ fn lean_is_taken_for_a_distance(degrees: f32, speed_m_s: f64, time_s: f32, seed:
     let mut setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP);
     if blur_known {
         setup = setup
+            .with_response(Response::Linear)
             .with_motion_blur(MotionBlur::from_calibrated_lens(time_s, exposure.psf_sigma_px))
             .expect("sound parameters");
     }
@@ -356,7 +359,11 @@ fn motion_blur_bears_upright_bars_out() {
             let world = moving(speed_m_s);
             let (frame, truths) = render(&post(), &world, TOP, exposure, seed);
             let blur = MotionBlur::from_calibrated_lens(time_s, exposure.psf_sigma_px);
-            let setup = world.setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP).with_motion_blur(blur).expect("sound");
+            let setup = world
+                .setup_read::<f32>(tilt_of(TENTH_DEGREE), TOP)
+                .with_response(Response::Linear)
+                .with_motion_blur(blur)
+                .expect("sound");
             let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
             assert_found(&format!("{time_s} s, seed {seed}"), &found, &truths, 0.02);
         }

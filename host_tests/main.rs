@@ -8,6 +8,7 @@ mod bad_input;
 mod blur;
 mod camera;
 mod camera_pipeline;
+mod clocks;
 mod clutter;
 mod coverage;
 mod endpoints;

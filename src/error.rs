@@ -132,6 +132,16 @@ pub enum EdgeError {
         /// Time of the point in nanoseconds since frame start.
         time_ns: i64,
     },
+    /// The stamp lies outside the frame that the readout allows, or the stamps do not rise with the rows. Mostly it is the time
+    /// since the board started instead of that since frame start, or one in other units.
+    Stamp {
+        /// Row of the point.
+        row: u16,
+        /// The stamp in nanoseconds since frame start.
+        time_ns: i64,
+        /// When the readout reads the row.
+        expected_ns: i64,
+    },
     /// The frame is one of rows of pixels, in which the edge points are found.
     FrameOfPixels,
     /// The frame is torn; points are taken again from the next frame on.
@@ -159,6 +169,13 @@ impl Display for EdgeError {
             }
             Self::TimeRange { time_ns } => {
                 write!(formatter, "time {time_ns} ns: must be within an hour of frame start")
+            }
+            Self::Stamp { row, time_ns, expected_ns } => {
+                write!(
+                    formatter,
+                    "row {row} is stamped {time_ns} ns, but the readout reads it at {expected_ns} ns since frame start: \
+                     is it a time since boot, or in other units?"
+                )
             }
             Self::FrameOfPixels => {
                 write!(formatter, "edge points came in a frame of pixels: a frame is made of one or the other")

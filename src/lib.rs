@@ -137,7 +137,8 @@ pub use scalar::Q32;
 pub use scalar::Scalar;
 pub use sequence::Sequence;
 pub use setup::{
-    Camera, Distortion, Intrinsics, Limits, MotionBlur, Ray, Readout, ReadoutDirection, Response, Setup, Uncertainty,
+    Camera, Distortion, Intrinsics, Limits, MotionBlur, Ray, Readout, ReadoutDirection, Response, Setup, StampPolicy,
+    Uncertainty,
 };
 
 #[cfg(all(doctest, feature = "libm"))]

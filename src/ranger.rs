@@ -2,9 +2,9 @@
 
 use heapless::Vec;
 
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, Scanner};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
-use crate::line::{Counters, Line, RowTime, Tracker};
+use crate::line::{Counters, Line, RowClock, RowTime, Tracker};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -24,7 +24,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (128 + 40 `KNOTS`) + 24 `POINTS` + 96 bytes.
+/// *Memory*: at most `LINES` × (128 + 40 `KNOTS`) + 24 `POINTS` + 128 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -85,6 +85,7 @@ struct LastRow {
     time_ns: i64,
     /// Its points have gone to the tracker.
     complete: bool,
+    clock: RowClock,
 }
 
 impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, KNOTS, POINTS> {
@@ -105,11 +106,18 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         check_values(setup, &point)?;
         let last = self.last_row()?;
         self.check_order(setup, last, &point)?;
+        let mut clock = last.map_or_else(|| RowClock::new(setup, point.row, point.time_ns), |last| last.clock);
+        let was_irregular = clock.is_irregular;
+        let time_ns = clock.time_ns(setup, point.row, point.time_ns)?;
         if last.is_some_and(|last| last.row != point.row) {
             self.complete_row(setup);
         }
-        let time_ns = last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
-        self.frame = Frame::OfPoints(LastRow { row: point.row, time_ns, complete: false });
+        if clock.is_irregular && !was_irregular {
+            self.tracker.retime(setup.readout());
+        }
+        let latest_ns = last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
+        self.frame = Frame::OfPoints(LastRow { row: point.row, time_ns: latest_ns, complete: false, clock });
+        let point = EdgePoint { time_ns, ..point };
         self.tracker.count_points(1);
         let at = self.row.partition_point(|other| other.column_q16 < point.column_q16);
         if self.row.insert(at, point).is_err() {
@@ -145,6 +153,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
                 tracker.count_dropped_point();
             }
         });
+        let pixels = PixelRow { pixels, response: setup.response() };
         tracker.refine(setup.limits(), at, pixels, points);
         tracker.count_points(points.len() as u32);
         tracker.count_clutter(points, self.scanner.is_textured());
@@ -171,6 +180,13 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         matches!(self.frame, Frame::Torn)
     }
 
+    /// Whether the stamps of the frame under way do not rise with its rows, so that the readout tells the time
+    /// ([`StampPolicy::Checked`](crate::StampPolicy::Checked)).
+    #[must_use]
+    pub const fn has_irregular_stamps(&self) -> bool {
+        matches!(self.frame, Frame::OfPoints(LastRow { clock: RowClock { is_irregular: true, .. }, .. }))
+    }
+
     /// Takes a row that was looked at and has no edge points (more of them): lines that cross it have missed a row.
     ///
     /// *Errors*: [`EdgeError::RowOrder`] for a row that was read before the last one, and [`EdgeError::FrameOfPixels`]
@@ -185,7 +201,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
                 last.map_or(i64::MIN, |last| last.time_ns)
             }
         };
-        self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false });
+        let expected_ns = setup.readout().row_time_ns(row);
+        let clock = last.map_or_else(|| RowClock::new(setup, row, expected_ns), |last| last.clock);
+        self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false, clock });
         self.complete_row(setup);
         Ok(())
     }
@@ -308,7 +326,7 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: &
 
 /// Refines the scanned points that no line explains, as well as a single row allows. Two points that share a window of the
 /// scanner keep their columns, but their widths are not measured.
-fn refine_alone(points: &mut [EdgePoint], pixels: &[u8], noise_q8: u32) {
+fn refine_alone(points: &mut [EdgePoint], pixels: PixelRow<'_>, noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {

@@ -2,7 +2,8 @@
 
 use shutter_range::sim::Exposure;
 use shutter_range::{
-    Camera, Distortion, Intrinsics, MotionBlur, ParameterError, Readout, ReadoutDirection, Scalar, Setup, Uncertainty,
+    Camera, Distortion, Intrinsics, MotionBlur, ParameterError, Readout, ReadoutDirection, Response, Scalar, Setup,
+    Uncertainty,
 };
 
 /// A level camera without distortion, read from the top.
@@ -55,6 +56,9 @@ impl Rig {
     /// As a user would set it up who knows exposure and lens, and that edges are upright.
     pub fn setup<S: Scalar + From<f32>>(&self) -> Result<Setup<S>, ParameterError> {
         let blur = MotionBlur::from_calibrated_lens(self.exposure.time_s.into(), self.exposure.psf_sigma_px.into());
-        Setup::new(self.camera()?, self.readout()?)?.with_uncertainty(Uncertainty::NONE)?.with_motion_blur(blur)
+        Setup::new(self.camera()?, self.readout()?)?
+            .with_uncertainty(Uncertainty::NONE)?
+            .with_response(Response::Linear)
+            .with_motion_blur(blur)
     }
 }

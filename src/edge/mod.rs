@@ -2,12 +2,14 @@
 
 mod point;
 mod scan;
+mod pixel_row;
 mod spread_function;
 mod moments;
 mod window;
 mod model;
 
 pub(crate) use model::EdgeModel;
+pub(crate) use pixel_row::PixelRow;
 pub use point::{EdgePoint, Polarity};
 pub use scan::{ScannedPoint, Scanner};
 pub(crate) use window::Neighbours;

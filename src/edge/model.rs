@@ -5,6 +5,7 @@
 //! the expected profile, weighted by the profile's slope. Its noise is the Cramér–Rao bound.
 
 use super::moments::Moments;
+use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::scan::{ScannedPoint, Scanner};
 use super::spread_function::SpreadFunction;
@@ -70,7 +71,8 @@ const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
 impl EdgeModel {
     /// From an edge that a row shows on its own.
-    fn new(pixels: &[u8], edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
+    fn new(row: PixelRow<'_>, edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let noise_q8 = row.noise_of_light_q8(i64::from(edge.column_q16), noise_q8);
         let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
@@ -83,21 +85,21 @@ impl EdgeModel {
             white_q8,
             textured_rows: 0,
         };
-        model.look_beside(pixels, i64::from(edge.column_q16), around)?;
+        model.look_beside(row, i64::from(edge.column_q16), around)?;
         model.is_of(edge).then_some(model)
     }
 
     /// The same with levels and blur of that row found each from the other: a long blur's width is only guessed at first, and
     /// noise may have broken it into pieces.
-    pub(crate) fn settled(pixels: &[u8], edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
-        let mut model = Self::new(pixels, edge, around, noise_q8)?;
+    pub(crate) fn settled(row: PixelRow<'_>, edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
+        let mut model = Self::new(row, edge, around, noise_q8)?;
         let mut column_q16 = i64::from(edge.column_q16);
         for _ in 0..MOST_STEPS {
-            let fit = model.fit(pixels, i32::try_from(column_q16).ok()?, around)?;
+            let fit = model.fit(row, i32::try_from(column_q16).ok()?, around)?;
             let (blur_q12, blur_q16) = (model.blur_q12, i64::from(model.blur_q12) << 4);
             column_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
             model.widen(fit.template_q12, 1);
-            model.look_beside(pixels, column_q16, around)?;
+            model.look_beside(row, column_q16, around)?;
             if model.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && fit.shift_q16.abs() < blur_q16 / 16 {
                 break;
             }
@@ -106,9 +108,9 @@ impl EdgeModel {
     }
 
     /// Takes the levels from the plateaus of a row.
-    fn look_beside(&mut self, pixels: &[u8], column_q16: i64, around: Neighbours) -> Option<()> {
+    fn look_beside(&mut self, row: PixelRow<'_>, column_q16: i64, around: Neighbours) -> Option<()> {
         let reach_q16 = i64::from(SpreadFunction::new(self.blur_q8()).reach_q8()) << 8;
-        let side = |side| plateau(pixels, column_q16, reach_q16, side, around);
+        let side = |side| plateau(row, column_q16, reach_q16, side, around);
         self.levels_q16 = [side(Side::Left)?, side(Side::Right)?];
         Some(())
     }
@@ -129,6 +131,13 @@ impl EdgeModel {
         self.levels_q16.map(|level_q16| i64::from(level_q16 >> 8))
     }
 
+    /// Whether one of the levels is so near to the end of the scale that the sensor may have cut its noise, and a part of the
+    /// flank, off: the width is then not that of the blur.
+    fn is_clipped(&self) -> bool {
+        let two_sigma_q8 = 2 * i64::from(self.white_q8);
+        self.levels_q8().into_iter().any(|level_q8| level_q8 + two_sigma_q8 >= 255 << 8)
+    }
+
     fn contrast_q8(&self) -> i32 {
         let [left_q8, right_q8] = self.levels_q8();
         (right_q8 - left_q8) as i32
@@ -140,17 +149,17 @@ impl EdgeModel {
 
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
     pub(crate) fn refine_alone(
-        pixels: &[u8],
+        row: PixelRow<'_>,
         edge: &EdgePoint,
         around: Neighbours,
         noise_q8: u32,
     ) -> Option<EdgePoint> {
         let learn = if edge.width_q8 > LONG_BLUR_Q8 { Self::settled } else { Self::new };
-        let mut model = learn(pixels, edge, around, noise_q8)?;
+        let mut model = learn(row, edge, around, noise_q8)?;
         let column_q16 = i64::from(edge.column_q16);
         let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
         let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
-        let found = model.locate(pixels, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
+        let found = model.locate(row, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
         let is_sure = found.sigma_q16 < SURE_SIGMA_Q16;
         if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
             return None;
@@ -164,14 +173,14 @@ impl EdgeModel {
     /// not depend on what was expected, or a line would go on where it once went astray: more steps where the first one is large.
     pub(crate) fn locate(
         &mut self,
-        pixels: &[u8],
+        row: PixelRow<'_>,
         expected_q16: i64,
         gate_q16: i64,
         drawn_q16: i64,
         around: Neighbours,
     ) -> Option<ScannedPoint> {
         let expected = i32::try_from(expected_q16).ok()?;
-        let mut fit = self.fit(pixels, expected, around)?;
+        let mut fit = self.fit(row, expected, around)?;
         let blur_q16 = i64::from(self.blur_q12) << 4;
         let mut from_q16 = expected_q16;
         for _ in 0..MOST_CORRECTIONS {
@@ -179,7 +188,7 @@ impl EdgeModel {
                 break;
             }
             from_q16 += fit.shift_q16.clamp(-blur_q16, blur_q16);
-            fit = self.fit(pixels, i32::try_from(from_q16).ok()?, around)?;
+            fit = self.fit(row, i32::try_from(from_q16).ok()?, around)?;
         }
         fit.shift_q16 += from_q16 - expected_q16;
         let fits = fit.shift_q16.abs() <= gate_q16.min((4 * fit.sigma_q16 + blur_q16 / 4).max(drawn_q16))
@@ -190,6 +199,7 @@ impl EdgeModel {
         // The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
         let half_q8 = i64::from(self.blur_q8() / 2);
         let width_q8 = (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16;
+        let width_q8 = if self.is_clipped() { 0 } else { width_q8 };
         self.learn(&fit);
         Some(ScannedPoint {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
@@ -199,13 +209,13 @@ impl EdgeModel {
         })
     }
 
-    fn fit(&self, pixels: &[u8], expected_q16: i32, around: Neighbours) -> Option<Fit> {
+    fn fit(&self, row: PixelRow<'_>, expected_q16: i32, around: Neighbours) -> Option<Fit> {
         let template = SpreadFunction::new(self.blur_q8());
         let expected = i64::from(expected_q16);
-        if !self.is_alone(expected, around, pixels.len()) {
+        if !self.is_alone(expected, around, row.pixels.len()) {
             return None;
         }
-        let look = Window::new(pixels, expected, &template, around)?;
+        let look = Window::new(row, expected, &template, around)?;
         let of_means = look.sums(&template, self.levels_q8());
         let off_q16 = of_means.off_q16;
         let (sums, [left_q8, right_q8], residual_slope) = self.with_own_levels(&look, &template, of_means)?;
@@ -345,9 +355,13 @@ fn root(square: i64) -> i64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{EdgeModel, Neighbours};
+    use super::{EdgeModel, Neighbours, PixelRow};
     use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
-    use crate::{Camera, Distortion, EdgePoint, Intrinsics, Line, Readout, Scanner, Twist};
+    use crate::{Camera, Distortion, EdgePoint, Intrinsics, Line, Readout, Response, Scanner, Twist};
+
+    fn row_of(pixels: &[u8]) -> PixelRow<'_> {
+        PixelRow { pixels, response: &Response::Linear }
+    }
 
     const ROWS: u16 = 240;
     const FOCAL_PX: f32 = 300.0;
@@ -392,13 +406,13 @@ mod tests {
         simulator.row(0, &mut pixels);
         let mut first = EdgePoint::new(0, 0, 0);
         scanner.scan(&pixels, |edge| first = edge.at(0, 0));
-        let mut model = EdgeModel::settled(&pixels, &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
+        let mut model = EdgeModel::settled(row_of(&pixels), &first, Neighbours::NONE, scanner.noise_q8()).unwrap();
         let mut line: Line<16> = Line::new(first);
         let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
             let expected_q16 = (column(row) * 65536.0) as i64;
-            let Some(edge) = model.locate(&pixels, expected_q16, 1 << 17, 0, Neighbours::NONE) else {
+            let Some(edge) = model.locate(row_of(&pixels), expected_q16, 1 << 17, 0, Neighbours::NONE) else {
                 assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
                 continue;
             };

@@ -1,6 +1,7 @@
 //! [`Window`]: the pixels around an edge, and what they say for and against an expected profile.
 
 use super::moments::{LevelMoments, Moments};
+use super::pixel_row::PixelRow;
 use super::point::EdgePoint;
 use super::spread_function::SpreadFunction;
 
@@ -40,6 +41,7 @@ const PLATEAU: i64 = 4;
 
 /// The pixels around an edge: its flank, and a plateau on either side.
 pub(crate) struct Window<'p> {
+    row: PixelRow<'p>,
     flank: &'p [u8],
     plateaus: [&'p [u8]; 2],
     /// Of the flank's first pixel from the expected column.
@@ -48,21 +50,21 @@ pub(crate) struct Window<'p> {
 
 impl<'p> Window<'p> {
     pub(crate) fn new(
-        pixels: &'p [u8],
+        row: PixelRow<'p>,
         column_q16: i64,
         template: &SpreadFunction,
         around: Neighbours,
     ) -> Option<Self> {
         let reach_q16 = i64::from(template.reach_q8()) << 8;
         let (from_q16, to_q16) = view(column_q16, reach_q16, around);
-        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(pixels.len() as i64));
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(row.pixels.len() as i64));
         // At least the outermost pixels tell the levels.
         let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + 1);
         let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - 1);
-        let part = |from: i64, to: i64| pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?);
         Some(Self {
-            flank: part(flank_from, flank_to)?,
-            plateaus: [part(from, flank_from)?, part(flank_to, to)?],
+            row,
+            flank: row.get(flank_from, flank_to)?,
+            plateaus: [row.get(from, flank_from)?, row.get(flank_to, to)?],
             off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
         })
     }
@@ -73,7 +75,7 @@ impl<'p> Window<'p> {
         let [left_q8, right_q8] = levels_q8;
         for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
             let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
-            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
+            sums.add(self.row.light_q8(*pixel) - expected_q8, &place);
         }
         sums
     }
@@ -85,19 +87,18 @@ impl<'p> Window<'p> {
         let contrast_q8 = right_q8 - left_q8;
         for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
             let expected_q8 = left_q8 + ((contrast_q8 * i64::from(place.step)) >> 15);
-            sums.add((i64::from(*pixel) << 8) - expected_q8, &place);
+            sums.add(self.row.light_q8(*pixel) - expected_q8, &place);
         }
         let [left, right] = self.plateaus;
         sums.plateau_pixels = [left.len() as i64, right.len() as i64];
-        sums.off_q16 = [off_q16(left, left_q8), off_q16(right, right_q8)];
+        sums.off_q16 = [off_q16(self.row, left, left_q8), off_q16(self.row, right, right_q8)];
         sums
     }
 }
 
 /// Mean of a plateau minus what is expected.
-fn off_q16(plateau: &[u8], level_q8: i64) -> i64 {
-    let sum: u32 = plateau.iter().map(|pixel| u32::from(*pixel)).sum();
-    (i64::from(sum) << 16) / (plateau.len() as i64).max(1) - (level_q8 << 8)
+fn off_q16(row: PixelRow<'_>, plateau: &[u8], level_q8: i64) -> i64 {
+    (i64::from(row.sum_q8(plateau)) << 8) / (plateau.len() as i64).max(1) - (level_q8 << 8)
 }
 
 /// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
@@ -117,16 +118,15 @@ pub(crate) enum Side {
 }
 
 /// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
-pub(crate) fn plateau(pixels: &[u8], column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
+pub(crate) fn plateau(row: PixelRow<'_>, column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
     let (left, right) = view(column, reach_q16, around);
     let (from, to) = match side {
         Side::Left => (left, (column - reach_q16).max(left)),
         Side::Right => ((column + reach_q16).min(right), right),
     };
     let from = ((from + (1 << 15)) >> 16).max(0);
-    let to = ((to + (1 << 15)) >> 16).min(pixels.len() as i64 - 1);
-    let window = pixels.get(usize::try_from(from).ok()?..=usize::try_from(to).ok()?)?;
-    // Fewer than 256 pixels: the sum fits 16 bits.
-    let sum: u32 = window.iter().map(|pixel| u32::from(*pixel)).sum();
-    (sum << 16).checked_div(window.len() as u32)
+    let to = ((to + (1 << 15)) >> 16).min(row.pixels.len() as i64 - 1);
+    let window = row.get(from, to + 1)?;
+    // Fewer than 256 pixels: the product fits 32 bits.
+    (row.sum_q8(window) << 8).checked_div(window.len() as u32)
 }

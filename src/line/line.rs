@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::knot::Knot;
 use crate::edge::EdgePoint;
+use crate::setup::Readout;
 
 /// An edge refused by a [`Line`]: its row does not come after the last one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +109,16 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.points = self.points.saturating_add(later.points);
         self.cluttered_rows = self.cluttered_rows.saturating_add(later.cluttered_rows);
         Ok(())
+    }
+
+    /// Takes the times of all points from the readout: they follow from the rows.
+    pub(crate) fn retime(&mut self, readout: &Readout) {
+        self.first.time_ns = readout.row_time_ns(self.first.row);
+        self.last.time_ns = readout.row_time_ns(self.last.row);
+        for knot in &mut self.knots {
+            let times_ps = u128::from(knot.rows) * u128::from(readout.line_time_ps());
+            knot.times_ns = i64::try_from(times_ps / 1000).unwrap_or(i64::MAX);
+        }
     }
 
     /// Raises the sigmas of all edges so far to at least this.

@@ -1,5 +1,6 @@
 //! From edge points to lines, in integers.
 
+mod row_clock;
 mod knot;
 mod line;
 mod association;
@@ -10,5 +11,6 @@ mod tracker;
 pub use counters::Counters;
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};
+pub(crate) use row_clock::RowClock;
 pub(crate) use track::RowTime;
 pub(crate) use tracker::Tracker;

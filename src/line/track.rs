@@ -2,7 +2,7 @@
 
 use super::association::Prediction;
 use super::line::Line;
-use crate::edge::{EdgeModel, EdgePoint, Neighbours};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::setup::Limits;
 
 /// A line, and where it goes: a line fit with fading memory.
@@ -196,11 +196,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
         &mut self,
         prediction: &Prediction,
         at: RowTime,
-        pixels: &[u8],
+        row: PixelRow<'_>,
         around: Neighbours,
     ) -> Option<EdgePoint> {
         let model = self.model.as_mut()?;
-        let mut found = model.locate(pixels, prediction.column_q16, prediction.gate_q16, 0, around)?;
+        let mut found = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around)?;
         if model.is_surely_beside_texture() && !self.is_beside_texture {
             // What holds from now on held for the rows before as well.
             self.is_beside_texture = true;

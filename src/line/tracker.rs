@@ -6,8 +6,8 @@ use super::association::{Association, Outcome, Pair, Prediction};
 use super::counters::Counters;
 use super::line::Line;
 use super::track::{RowTime, State, Track};
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, Polarity};
-use crate::setup::Limits;
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
+use crate::setup::{Limits, Readout};
 
 /// The lines of a frame under way: at most `LINES` of `KNOTS` knots each.
 ///
@@ -147,7 +147,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         &mut self,
         limits: &Limits,
         at: RowTime,
-        pixels: &[u8],
+        pixels: PixelRow<'_>,
         points: &mut Vec<EdgePoint, POINTS>,
     ) {
         let mut explained: Vec<Explained, LINES> = Vec::new();
@@ -198,7 +198,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Gives newly confirmed lines a model of their edge, from the row in which they were last seen.
-    pub(crate) fn learn(&mut self, row: u16, pixels: &[u8], noise_q8: u32) {
+    pub(crate) fn learn(&mut self, row: u16, pixels: PixelRow<'_>, noise_q8: u32) {
         for place in &self.under_way {
             let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Slot::track);
             let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.model.is_none();
@@ -212,6 +212,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     track.line.mark_as_of_pixels();
                 }
             }
+        }
+    }
+
+    /// Takes the times of all lines of this frame from the readout.
+    pub(crate) fn retime(&mut self, readout: &Readout) {
+        for track in self.tracks.iter_mut().filter_map(Slot::track_mut) {
+            track.line.retime(readout);
         }
     }
 

@@ -7,25 +7,34 @@ use super::sample::Sample;
 use super::shared_error::SharedError;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
-use crate::scalar::{Scalar, hypot};
-use crate::setup::{Camera, MotionBlur, Setup};
+use crate::scalar::{Scalar, hypot, ln};
+use crate::setup::Setup;
 
 /// The blur that motion has added to an edge, as a measurement of its path during the exposure.
 ///
-/// The variance of a blurred edge is lens² + 1/12 + B²/12. The path B comes from motion, whatever the lean.
+/// The variance V of a blurred edge is lens² + 1/12 + B²/12. The path B comes from motion, whatever the lean. What is
+/// measured is ln V: what an image pipeline does to widths is a factor, and as a share of the expected width it would excuse
+/// any lean.
 ///
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
 pub(crate) struct BlurMeasurement<S> {
-    /// The ray of the line's middle at the beginning and at the end of the exposure.
+    /// The ray of the line's middle at the start and at the end of the exposure.
     ends: [Observation<S>; 2],
     /// Variance of the blurred edge.
     measured_px2: S,
-    /// One sigma of it from noise and from the assumed shape of the blur.
-    sigma_px2: S,
+    /// One sigma of its logarithm, from noise and from how far widths can be trusted.
+    sigma_ln: S,
     lens_px: S,
     sigma_lens_px: S,
 }
+
+/// A good edge may be so much more blurred than its slope implies, as a factor on the variance: the lens is softer in the
+/// corners, and not everything is in focus.
+const SOFTER: (i32, i32) = (3, 2);
+
+/// Beyond so many sigmas the blur contradicts the slope.
+const MOST_SIGMAS: i32 = 4;
 
 impl<S: Scalar> BlurMeasurement<S> {
     /// From the widths of a line's points; `None` where the exposure is not known or too few widths were measured.
@@ -39,36 +48,40 @@ impl<S: Scalar> BlurMeasurement<S> {
         let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.points())).sqrt();
         let sigma_px = line.mean_width_sigma_px::<S>().min(most_px);
         let middle = line.samples::<S>().nth(line.samples::<S>().count() / 2)?;
-        Self::new(setup.camera(), motion, blur, &middle, (width_px, sigma_px))
-    }
-
-    /// From the mean width of a line and its sigma; `middle` is a sample near its middle.
-    fn new<M: Motion<S>>(
-        camera: &Camera<S>,
-        motion: &M,
-        blur: &MotionBlur<S>,
-        middle: &Sample<S>,
-        (width_px, sigma_px): (S, S),
-    ) -> Option<Self> {
         let half = blur.exposure_s * S::ratio(1, 2);
         let at = |time_s: S| {
-            Observation::new(camera, motion, &Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px))
+            let sample = Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px);
+            Observation::new(setup.camera(), motion, &sample)
         };
-        let measured = width_px * width_px;
-        let of_noise = (width_px + width_px) * sigma_px;
-        let of_shape = measured * S::ratio(SHAPE_PERCENT, 100);
+        // A variance is a square: its logarithm has twice the relative error of the width.
+        let relative_sigma = hypot(sigma_px / width_px, setup.sigma_blur());
         Some(Self {
             ends: [at(middle.time_s - half)?, at(middle.time_s + half)?],
-            measured_px2: measured,
-            sigma_px2: hypot(of_noise, of_shape),
+            measured_px2: width_px * width_px,
+            sigma_ln: relative_sigma + relative_sigma,
             lens_px: blur.lens_blur_px,
             sigma_lens_px: blur.sigma_lens_blur_px,
         })
     }
 
-    /// Variance that an edge at rest would have.
-    fn lens_and_pixel_px2(&self) -> S {
-        self.lens_px * self.lens_px + S::ratio(1, 12)
+    /// Variance of an edge that moves by a path during the exposure.
+    fn expected_px2(&self, path_px: S) -> S {
+        self.lens_px * self.lens_px + (S::ONE + path_px * path_px) * S::ratio(1, 12)
+    }
+
+    /// Logarithm of the measured variance over that of a path.
+    fn excess_ln(&self, path_px: S) -> S {
+        ln(self.measured_px2 / self.expected_px2(path_px))
+    }
+
+    /// Change of the logarithm of the expected variance with the lens's blur.
+    fn per_lens_px(&self, path_px: S) -> S {
+        (self.lens_px + self.lens_px) / self.expected_px2(path_px)
+    }
+
+    /// One sigma of the logarithm, the lens's own blur included.
+    fn joint_sigma_ln(&self, path_px: S) -> S {
+        hypot(self.sigma_ln, self.per_lens_px(path_px) * self.sigma_lens_px)
     }
 
     /// Path along the row during the exposure, in pixels with its sign.
@@ -77,14 +90,23 @@ impl<S: Scalar> BlurMeasurement<S> {
         Some(line3.residual_px(start)? - line3.residual_px(end)?)
     }
 
-    /// One sigma of the variance, the lens's own blur included.
-    fn joint_sigma_px2(&self) -> S {
-        hypot(self.sigma_px2, self.per_lens_px() * self.sigma_lens_px)
+    /// Change of the path with the inverse depth. Translation moves the ends in proportion to the inverse depth; rotation
+    /// does so at any depth.
+    fn path_per_inverse_depth(&self, line3: &Line3<S>) -> Option<S> {
+        let [start, end] = &self.ends;
+        Some(line3.residual_per_inverse_depth(start)? - line3.residual_per_inverse_depth(end)?)
     }
 
-    /// By how much the measured variance exceeds what a path explains, in square pixels.
-    fn excess_px2(&self, path_px: S) -> S {
-        self.measured_px2 - self.lens_and_pixel_px2() - path_px * path_px * S::ratio(1, 12)
+    /// The lines of the two paths, one in either direction, that explain the blur: near each there may be a solution.
+    pub(super) fn candidates(&self, line3: &Line3<S>) -> Option<[Line3<S>; 2]> {
+        let (path, change) = (self.path_px(line3)?, self.path_per_inverse_depth(line3)?);
+        let blur_px = ((self.measured_px2 - self.expected_px2(S::ZERO)) * S::from_i32(12)).sqrt();
+        let with_path = |wanted: S| {
+            let inverse_depth = line3.inverse_depth + (wanted - path) / change;
+            Line3 { inverse_depth, ..*line3 }
+        };
+        let candidates = [with_path(blur_px), with_path(-blur_px)];
+        candidates.iter().all(|line3| line3.inverse_depth.is_finite()).then_some(candidates)
     }
 
     /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the slope:
@@ -92,48 +114,35 @@ impl<S: Scalar> BlurMeasurement<S> {
     /// hides a part of the slope.
     pub(super) fn is_consistent(&self, path_px: S, relative_sigma: S) -> bool {
         let two = relative_sigma * S::from_i32(2);
-        let four = self.joint_sigma_px2() * S::from_i32(4);
-        let least = self.excess_px2(path_px * (S::ONE + two));
-        let most = self.excess_px2(path_px * (S::ONE - two).max(S::ZERO));
-        let expected = self.lens_and_pixel_px2() + path_px * path_px * S::ratio(1, 12);
-        most >= -four && least <= expected * S::ratio(1, 2) + four
+        let (longer, shorter) = (path_px * (S::ONE + two), path_px * (S::ONE - two).max(S::ZERO));
+        let most = |path_px| self.joint_sigma_ln(path_px) * S::from_i32(MOST_SIGMAS);
+        let softer = S::ratio(SOFTER.0, SOFTER.1);
+        self.excess_ln(shorter) >= -most(shorter) && self.excess_ln(longer) <= ln(softer) + most(longer)
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.
     pub(super) fn of_lens(&self, path_px: S, relative_sigma: S) -> Option<LensBlurMeasurement<S>> {
         let sigma_of_path_px2 = path_px * path_px * S::ratio(1, 6) * relative_sigma.min(S::ONE);
-        let variance_px2 = self.lens_px * self.lens_px + self.excess_px2(path_px);
-        let sigma_px2 = hypot(self.sigma_px2, sigma_of_path_px2);
+        let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path_px);
+        let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, sigma_of_path_px2);
         (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
-    }
-
-    /// Change of the variance with the lens's blur.
-    fn per_lens_px(&self) -> S {
-        self.lens_px + self.lens_px
     }
 
     pub(crate) fn equation(&self, line3: &Line3<S>) -> Option<PriorEquation<S>> {
         let path = self.path_px(line3)?;
-        // Translation moves the ends in proportion to the inverse depth; rotation does so at any depth.
-        let [start, end] = &self.ends;
-        let q = path
-            * S::ratio(1, 6)
-            * (line3.residual_per_inverse_depth(start)? - line3.residual_per_inverse_depth(end)?);
+        let q = path * S::ratio(1, 6) * self.path_per_inverse_depth(line3)? / self.expected_px2(path);
         Some(PriorEquation {
             equation: Equation {
                 one: S::ZERO,
                 q,
                 w: S::ZERO,
-                y: self.excess_px2(path),
-                root_weight: self.joint_sigma_px2(),
+                y: self.excess_ln(path),
+                root_weight: self.joint_sigma_ln(path),
             },
-            errors: SharedError::Lens.alone(-self.per_lens_px()),
+            errors: SharedError::Lens.alone(-self.per_lens_px(path)),
         })
     }
 }
-
-/// Error of the variance from the assumed shape of the blur, one sigma in percent.
-const SHAPE_PERCENT: i32 = 2;
 
 /// The lens's own blur as one edge shows it: the variance that neither motion nor the pixel explains.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -86,7 +86,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
         Some(state) => state.line3,
         None => problem.round(&Line3::start(motion.gravity()), Round::First)?.line3,
     };
-    let mut solved = problem.settle_in_front(&start)?;
+    let mut solved = problem.settle_best(&start)?;
     for _ in 0..MAX_REJECTIONS {
         let Some(reweighted) = problem.reweight(&solved) else { break };
         if !problem.reject_outliers(&reweighted) {
@@ -247,6 +247,16 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             is_in_front && other.cost() < solved.cost() + S::from_i32(9)
         };
         Ok(mirrored.filter(is_as_good).unwrap_or(solved))
+    }
+
+    /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
+    /// best of those near the positions alone and near either path is meant.
+    fn settle_best(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
+        let solved = self.settle_in_front(start)?;
+        let near_either_path = self.prior.blur.as_ref().and_then(|blur| blur.candidates(start));
+        let others = near_either_path.into_iter().flatten().filter_map(|line3| self.converge(&line3));
+        let in_front = others.filter(|other| other.line3.inverse_depth > S::ZERO);
+        Ok(in_front.fold(solved, |best, other| if other.cost() < best.cost() { other } else { best }))
     }
 
     /// Least absolute deviations by iterative reweighting (IRLS), so that outliers do not pull the fit towards them. `None`

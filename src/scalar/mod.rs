@@ -23,5 +23,5 @@ pub use self::micromath::Micro;
 #[cfg(feature = "fixed")]
 pub use fixed::Q32;
 pub use scalar::Scalar;
-pub(crate) use scalar::{NS_PER_S, hypot};
+pub(crate) use scalar::{NS_PER_S, hypot, ln};
 pub(crate) use vector::{add, cross, dot, on_axis, scale, sub};

@@ -91,6 +91,26 @@ pub(crate) fn hypot<S: Scalar>(a: S, b: S) -> S {
     large * (S::ONE + part * part).sqrt()
 }
 
+/// Natural logarithm of a positive number, good to 10⁻⁶ or what the type resolves; that of the nearest power of two within
+/// 2⁻⁴⁰ to 2⁴⁰ beyond.
+pub(crate) fn ln<S: Scalar>(x: S) -> S {
+    let (half, two) = (S::ratio(1, 2), S::ONE + S::ONE);
+    let (mut part, mut halvings) = (x, 0);
+    // To 0.7 to 1.4, where the series below is short.
+    for _ in 0..40 {
+        if part > S::ratio(7, 5) {
+            (part, halvings) = (part * half, halvings + 1);
+        } else if part < S::ratio(7, 10) {
+            (part, halvings) = (part * two, halvings - 1);
+        }
+    }
+    // ln x = 2 artanh((x − 1)/(x + 1))
+    let t = (part - S::ONE) / (part + S::ONE);
+    let square = t * t;
+    let series = [9, 7, 5, 3].into_iter().fold(S::ZERO, |sum, k| (sum + S::ratio(1, k)) * square);
+    S::from_i32(halvings) * S::ratio(693_147, 1_000_000) + two * t * (S::ONE + series)
+}
+
 pub(super) mod sealed {
     pub trait Sealed {}
 }

@@ -6,6 +6,7 @@ use super::limits::Limits;
 use super::motion_blur::MotionBlur;
 use super::readout::{Readout, ReadoutDirection};
 use super::response::Response;
+use super::stamp_policy::StampPolicy;
 use super::uncertainty::Uncertainty;
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
@@ -45,6 +46,7 @@ pub struct Setup<S> {
     limits: Limits,
     motion_blur: Option<MotionBlur<S>>,
     response: Response,
+    stamp_policy: StampPolicy,
 }
 
 impl<S: Scalar> Setup<S> {
@@ -63,6 +65,7 @@ impl<S: Scalar> Setup<S> {
             limits: Limits::DEFAULT,
             motion_blur: None,
             response: Response::Unknown,
+            stamp_policy: StampPolicy::Checked,
         })
     }
 
@@ -100,6 +103,12 @@ impl<S: Scalar> Setup<S> {
         Self { response, ..self }
     }
 
+    /// The same with another way to tell the time of a row of edge points.
+    #[must_use]
+    pub fn with_stamp_policy(self, stamp_policy: StampPolicy) -> Self {
+        Self { stamp_policy, ..self }
+    }
+
     /// The same with other limits.
     ///
     /// *Errors*: limits out of range.
@@ -132,6 +141,12 @@ impl<S: Scalar> Setup<S> {
         self.motion_blur.as_ref()
     }
 
+    /// What tells the time of a row of edge points.
+    #[must_use]
+    pub const fn stamp_policy(&self) -> StampPolicy {
+        self.stamp_policy
+    }
+
     /// How grey levels follow the light.
     #[must_use]
     pub const fn response(&self) -> &Response {
@@ -162,6 +177,7 @@ struct RawSetup<S> {
     limits: Limits,
     motion_blur: Option<MotionBlur<S>>,
     response: Response,
+    stamp_policy: StampPolicy,
 }
 
 #[cfg(feature = "serde")]
@@ -170,7 +186,7 @@ impl<S: Scalar> TryFrom<RawSetup<S>> for Setup<S> {
 
     fn try_from(raw: RawSetup<S>) -> Result<Self, ParameterError> {
         let setup = Self::new(raw.camera, raw.readout)?.with_uncertainty(raw.uncertainty)?.with_limits(raw.limits)?;
-        let setup = setup.with_response(raw.response);
+        let setup = setup.with_response(raw.response).with_stamp_policy(raw.stamp_policy);
         raw.motion_blur.map_or(Ok(setup), |blur| setup.with_motion_blur(blur))
     }
 }
