@@ -139,7 +139,7 @@ impl<S: Scalar> Range<S> {
         self.estimate = fitted.estimate;
         self.points_used = line.points_in(fitted.inliers.iter().copied());
         let is_by_chance = may_be_by_chance(setup, self, line);
-        let leans = is_single && leans_beyond_prior(setup, &fitted.estimate);
+        let leans = leans_too_much(setup, &fitted.estimate, is_single);
         self.status = status_of(setup, line, &fitted.estimate)
             .unless(Objection::ToldLean, leans)
             .unless(Objection::Clutter, is_by_chance);
@@ -198,10 +198,17 @@ fn status_of<S: Scalar, const KNOTS: usize>(
 /// A fitted lean of more prior sigmas than this contradicts the prior.
 const MOST_PRIOR_SIGMAS: i32 = 4;
 
-/// Whether the fit has found a lean that the prior excludes: the edge leans more than was stated, or its clock is wrong.
-fn leans_beyond_prior<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>) -> bool {
-    let most = setup.uncertainty().sigma_tilt_at(estimate.bearing) * S::from_i32(MOST_PRIOR_SIGMAS);
-    most > S::ZERO && estimate.tilt.abs() > most
+/// Whether the fitted lean contradicts the prior: the edge leans more than was stated, or its clock is wrong. Where the
+/// parallax of several frames has measured the lean, only a large one speaks against the edge.
+fn leans_too_much<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>, is_single: bool) -> bool {
+    let prior = setup.uncertainty().sigma_tilt_at(estimate.bearing);
+    let is_measured = !is_single && estimate.sigma_tilt + estimate.sigma_tilt < prior;
+    let most = if is_measured {
+        S::from_ratio(setup.limits().max_lean_q16.into(), 1 << 16)
+    } else {
+        prior * S::from_i32(MOST_PRIOR_SIGMAS)
+    };
+    prior > S::ZERO && estimate.tilt.abs() > most
 }
 
 /// Whether a line of pixels may be one by chance, or joined from pieces of several: a short one where points lie densely

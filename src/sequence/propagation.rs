@@ -19,6 +19,10 @@ impl<S: Scalar> LineState<S> {
         let passed = (propagated_line.line3.bearing - self.line3.bearing)
             * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
+        if uncertainty.sigma_time_s > S::ZERO {
+            let per_second = propagated_line.change_with_time(&self.line3, transition);
+            covariance = covariance.and(scale(per_second, uncertainty.sigma_time_s));
+        }
         // A part of what a drifting error has done so far is independent of its present value.
         let (kept, lost) = transition.drift();
         let mut sensitivity = self.sensitivity;
@@ -132,6 +136,20 @@ impl<S: Scalar> Propagated<S> {
             // These act within a frame, not between frames.
             SharedError::Tilt | SharedError::Lens | SharedError::Readout | SharedError::Focal => none,
         }
+    }
+
+    /// Change with the time of the transition: the camera goes on with its velocity and its rotation.
+    fn change_with_time(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> [S; 3] {
+        let none = [S::ZERO; 3];
+        let elapsed_s = transition.elapsed_s;
+        if elapsed_s == S::ZERO {
+            return none;
+        }
+        let turning = transition.pose.rate_rad_s.into_iter().enumerate().fold(none, |sum, (axis, rate)| {
+            add(sum, scale(self.change_of(SharedError::Rate(axis), old, transition), rate))
+        });
+        let moving = self.change_of(SharedError::Speed, old, transition);
+        scale(add(moving, turning), S::ONE / elapsed_s)
     }
 
     fn turned_lean(&self, old: &Line3<S>, transition: &FrameTransition<S>) -> S {

@@ -25,10 +25,13 @@ pub struct Limits {
     /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`. Smaller
     /// departures enlarge sigma instead.
     pub max_departure_q16: u32,
+    /// In a sequence whose parallax has measured it, an edge may lean by this slope, in 1/65536, and stay `ok`.
+    pub max_lean_q16: u32,
 }
 
 impl Limits {
-    /// Up to one pixel per row; 2 px of gate; confirmed after 5 edges, over gaps of 2 rows, later 12; 8 edges make a range; 1.5 px of departure.
+    /// Up to one pixel per row; 2 px of gate; confirmed after 5 edges, over gaps of 2 rows, later 12; 8 edges make a range; 1.5 px of
+    /// departure; 5° of lean.
     pub const DEFAULT: Self = Self {
         max_slope_q16: 1 << 16,
         gate_q16: 2 << 16,
@@ -37,6 +40,7 @@ impl Limits {
         gap_rows: 12,
         min_points: 8,
         max_departure_q16: 3 << 15,
+        max_lean_q16: 5_734,
     };
 
     /// The same with another [`max_slope_q16`](Self::max_slope_q16).
@@ -88,6 +92,13 @@ impl Limits {
         self
     }
 
+    /// The same with another [`max_lean_q16`](Self::max_lean_q16).
+    #[must_use]
+    pub const fn with_max_lean_q16(mut self, max_lean_q16: u32) -> Self {
+        self.max_lean_q16 = max_lean_q16;
+        self
+    }
+
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         let wide = |name, value: u32| {
             let most = 1024 << 16;
@@ -97,6 +108,7 @@ impl Limits {
         wide("max_slope_q16", self.max_slope_q16)?;
         wide("gate_q16", self.gate_q16)?;
         wide("max_departure_q16", self.max_departure_q16)?;
+        wide("max_lean_q16", self.max_lean_q16)?;
         for (name, value, least) in [("confirm_points", self.confirm_points, 2), ("min_points", self.min_points, 3)] {
             if value < least {
                 return Err(ParameterError::new(name, f64::from(value), "at least 2 to confirm, 3 for a range"));
