@@ -73,7 +73,7 @@ fn sharpening() {
             unsharp(at(image, row, column), weighted_mean(image, row, column, [1.0, 2.0, 1.0]))
         });
         assert_is(Stage::Sharpen5(strength), |image, row, column| {
-            unsharp(at(image, row, column), weighted_mean(image, row, column, [1.0, 4.0, 6.0, 4.0, 1.0]))
+            unsharp(at(image, row, column), weighted_mean(image, row, column, [2.0, 4.0, 5.0, 4.0, 2.0]))
         });
     }
 }

@@ -28,19 +28,19 @@ pub(super) fn sharpened_3x3<const COLUMNS: usize>(rows: &Rows<'_, COLUMNS>, stre
     });
 }
 
-/// Adds so many times the difference to the mean of 5 × 5 pixels, weighted 1 4 6 4 1 both ways.
+/// Adds so many times the difference to the mean of 5 × 5 pixels, weighted 2 4 5 4 2 both ways.
 pub(super) fn sharpened_5x5<const COLUMNS: usize>(rows: &Rows<'_, COLUMNS>, strength: f32, out: &mut [u16; COLUMNS]) {
     let [_, _, here, _, _] = rows;
-    let binomial = |[a, b, c, d, e]: [u32; 5]| a + 4 * (b + d) + 6 * c + e;
+    let bell = |[a, b, c, d, e]: [u32; 5]| 2 * (a + e) + 4 * (b + d) + 5 * c;
     let mut down = [0; COLUMNS];
     for (column, sum) in down.iter_mut().enumerate() {
-        *sum = binomial(rows.map(|row| u32::from(pixel(row, column, 0))));
+        *sum = bell(rows.map(|row| u32::from(pixel(row, column, 0))));
     }
     let down = |column| down.get(column).copied().unwrap_or(0);
     unsharp(here, strength, out, |column| {
         let [left, _, right] = beside(column, COLUMNS);
         let ([far_left, ..], [.., far_right]) = (beside(left, COLUMNS), beside(right, COLUMNS));
-        binomial([far_left, left, column, right, far_right].map(down)) as f32 / 256.0
+        bell([far_left, left, column, right, far_right].map(down)) as f32 / 289.0
     });
 }
 
@@ -62,13 +62,21 @@ fn unsharp<const COLUMNS: usize>(
     }
 }
 
-/// The median of 3 × 3 pixels.
+/// The median of 3 × 3 pixels: with each column in order it is the median of the largest of the lowest, the median of the
+/// middle ones and the smallest of the highest.
 pub(super) fn median<const COLUMNS: usize>(rows: &Rows<'_, COLUMNS>, out: &mut [u16; COLUMNS]) {
     for (column, value) in out.iter_mut().enumerate() {
-        let mut around = nine(rows, column);
-        let (_, middle, _) = around.select_nth_unstable(4);
-        *value = *middle;
+        let [a, b, c, d, e, f, g, h, i] = nine(rows, column);
+        let ([l0, m0, h0], [l1, m1, h1], [l2, m2, h2]) = (ordered([a, d, g]), ordered([b, e, h]), ordered([c, f, i]));
+        let [_, middle, _] = ordered([m0, m1, m2]);
+        let [_, median, _] = ordered([l0.max(l1).max(l2), middle, h0.min(h1).min(h2)]);
+        *value = median;
     }
+}
+
+fn ordered([a, b, c]: [u16; 3]) -> [u16; 3] {
+    let (low, high) = (a.min(b), a.max(b));
+    [low.min(c), high.min(low.max(c)), high.max(c)]
 }
 
 /// A mean of 3 × 3 pixels, each weighted by 1/(1 + d²), d its difference to the middle one in sigmas, so that edges stay.

@@ -34,7 +34,7 @@ pub enum Stage {
     Tone(ToneCurve),
     /// Sharpening: so many times the difference to a mean of 3 × 3 pixels (1 2 1 both ways) is added, 0 to 100.
     Sharpen3(f32),
-    /// The same with 5 × 5 pixels (1 4 6 4 1 both ways).
+    /// The same with 5 × 5 pixels (2 4 5 4 2 both ways).
     Sharpen5(f32),
 }
 
