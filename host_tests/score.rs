@@ -65,6 +65,13 @@ impl Score {
         rms(pairs().map(|(here, _)| here.relative)) / rms(pairs().map(|(_, there)| there.relative))
     }
 
+    /// Two in three relative errors are smaller: one sigma that a single bad edge does not move.
+    pub(crate) fn two_thirds(&self) -> f64 {
+        let mut sizes: Vec<_> = self.found().map(|outcome| outcome.relative.abs()).collect();
+        sizes.sort_by(f64::total_cmp);
+        sizes[sizes.len() * 683 / 1000]
+    }
+
     /// Prints the score and tells what of it is not as asked; sigma must not be too small. Whether it is blown up shows only
     /// [over a whole row of the table](Self::judge_row).
     pub(crate) fn judge(&self, name: &str, asked: Asked) -> Vec<String> {
