@@ -110,7 +110,7 @@ fn inverse(matrix: Matrix) -> Matrix {
 
 /// Most difference of an estimate, in its sigma. The library ends its rounds where the last one has moved it by less than a
 /// fiftieth of that, and takes the coefficients of a sample at its noisy column: both are of second order.
-const ESTIMATE: f64 = 0.02;
+const ESTIMATE: f64 = 0.01;
 /// Most relative difference of a sigma, likewise.
 const SIGMA: f64 = 1e-3;
 /// The same where tilt is known: rounding, and the differences that stand for derivatives.
@@ -123,17 +123,16 @@ proptest! {
     #[test]
     fn estimate_and_covariance_are_those_of_a_dense_inverse(
         scene in scenes(),
-        // Of variance one and bounded, so that no sample is an outlier; of alternating sign, so that it wanders less than chance.
-        noise in prop::collection::vec(0.0..1.73_f64, 48),
+        // Half a sigma at most, so that no sample is an outlier and nothing that wanders by chance enlarges sigma.
+        noise in prop::collection::vec(-0.5..0.5_f64, 48),
         sigma_px in 0.001..0.01_f64,
         sigma_tilt in prop::sample::select(vec![0.0, 1e-5, 1e-4, 1e-3, 1e-2]),
     ) {
         let rows = scene.visible_rows().into_iter().step_by(10);
-        let alternating = noise.chunks(2).flat_map(|pair| [pair[0], -pair[1]]);
         let sample = |(row, noise)| {
             Sample::point(scene.column(row) + noise * sigma_px, f64::from(row), scene.time_s(row), sigma_px)
         };
-        let samples: Vec<_> = rows.zip(alternating).map(sample).collect();
+        let samples: Vec<_> = rows.zip(noise).map(sample).collect();
         let found = fit::<f64, _, 48>(&scene.setup_with(tilt_of(sigma_tilt)), &scene.motion(), samples.iter().copied());
         let found = found.expect("sound samples");
         let dense = Dense::fit(&scene, &samples, sigma_tilt);

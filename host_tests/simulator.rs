@@ -1,7 +1,7 @@
 //! `sim`: rendered rows against the projection, the blur, the noise and the order of things.
 
 use proptest::prelude::*;
-use shutter_range::sim::{Background, Bar, Exposure, Object, Rail, Scene, Simulator, Texture, Truth};
+use shutter_range::sim::{Background, Bar, Contour, Exposure, Object, Rail, Scene, Shading, Simulator, Texture, Truth};
 use shutter_range::{
     Camera, Distortion, Intrinsics, ParameterError, Polarity, Readout, ReadoutDirection, Twist, Uncertainty,
 };
@@ -531,6 +531,12 @@ fn nonsense_is_refused_by_name() {
     assert_eq!(name(scene.push(Bar { level: 256.0, ..bar })), "level");
     assert_eq!(name(scene.push(bar.leaning(f32::INFINITY))), "lean");
     assert_eq!(name(scene.push(bar.between(1.0, -1.0))), "top_m");
+    assert_eq!(name(scene.push(bar.tapered(f32::NAN))), "taper");
+    assert_eq!(name(scene.push(bar.bowed(f32::INFINITY))), "bow_m");
+    assert_eq!(name(scene.push(bar.rough(-0.1, 0.1, 0))), "roughness_m");
+    assert_eq!(name(scene.push(bar.rough(0.1, 0.0, 0))), "roughness_length_m");
+    assert_eq!(name(scene.push(bar.lit_from(4.0, 0.0))), "light_rad");
+    assert_eq!(name(scene.push(bar.lit_from(0.0, 1.1))), "ambient");
     assert_eq!(name(scene.push(bar.between(0.0, f32::INFINITY))), "bottom_m");
     assert_eq!(name(scene.push(Rail { depth_m: -1.0, ..rail })), "depth_m");
     assert_eq!(name(scene.push(Rail { top_m: f32::NAN, ..rail })), "top_m");
@@ -557,6 +563,8 @@ fn nonsense_is_refused_by_name() {
     assert_eq!(name(with(&camera, &readout, Exposure { psf_sigma_px: f32::NAN, ..ideal })), "psf_sigma_px");
     assert_eq!(name(with(&camera, &readout, Exposure { read_noise: -1.0, ..ideal })), "read_noise");
     assert_eq!(name(with(&camera, &readout, Exposure { shot_gain: 101.0, ..ideal })), "shot_gain");
+    let simulator = Simulator::new(&scene, &camera, &readout, &motion, ideal, 0).expect("sound parameters");
+    assert_eq!(name(simulator.with_corner_blur(-0.5).map(|_| ())), "psf_sigma_px");
 }
 
 #[test]
@@ -567,6 +575,11 @@ fn scenes_are_checked_again_when_read() {
     assert!(serde_json::from_str::<Scene<5>>(&text).is_err(), "too many");
     let broken = text.replace("\"width_m\":0.5", "\"width_m\":-0.5");
     assert!(broken != text && serde_json::from_str::<Scene<6>>(&broken).is_err(), "negative width");
+    // As written before bars had contours and shadings.
+    let plain = serde_json::to_string(&Contour::STRAIGHT).expect("writes");
+    let older = text.replace(&format!(",\"contour\":{plain},\"shading\":\"Flat\""), "");
+    assert!(older.len() + 300 < text.len(), "{text}");
+    assert_eq!(serde_json::from_str::<Scene<6>>(&older).expect("reads"), scene);
 }
 
 /// Moderate numbers, zero and the ends of what is accepted.
@@ -578,13 +591,38 @@ fn vectors(limit: f32) -> impl Strategy<Value = [f32; 3]> {
     [any_of(limit), any_of(limit), any_of(limit)]
 }
 
+fn contours() -> impl Strategy<Value = Contour> {
+    let roughness = prop_oneof![Just(0.0), 0.0..=1e6_f32, 0.0..=0.01_f32];
+    let length = prop_oneof![1e-4..=1e6_f32, Just(1e-4)];
+    let contour = (any_of(10.0), any_of(1e6), roughness, length, any::<u32>()).prop_map(
+        |(taper, bow_m, roughness_m, roughness_length_m, seed)| Contour {
+            taper,
+            bow_m,
+            roughness_m,
+            roughness_length_m,
+            seed,
+        },
+    );
+    prop_oneof![Just(Contour::STRAIGHT), contour]
+}
+
+fn shadings() -> impl Strategy<Value = Shading> {
+    let cylinder = (-core::f32::consts::PI..=core::f32::consts::PI, 0.0..=1.0_f32)
+        .prop_map(|(light_rad, ambient)| Shading::Cylinder { light_rad, ambient });
+    prop_oneof![Just(Shading::Flat), cylinder]
+}
+
+fn is_shaded(object: &Object) -> bool {
+    matches!(object, Object::Bar(bar) if bar.shading != Shading::Flat)
+}
+
 fn objects() -> impl Strategy<Value = Object> {
     let depth = || prop_oneof![0.01..=1e6_f32, 0.01..=3.0_f32, Just(0.01), Just(1e6)];
     let ends = || (any_of(1e6), any_of(1e6)).prop_map(|(a, b)| (a.min(b), a.max(b)));
     let width = prop_oneof![1e-30..=1e6_f32, 0.01..=1.0_f32];
-    let bar = (any_of(100.0), depth(), width, ends(), any_of(10.0), 0.0..=255.0_f32).prop_map(
-        |(bearing, depth_m, width_m, (top_m, bottom_m), lean, level)| {
-            Object::Bar(Bar { bearing, depth_m, width_m, top_m, bottom_m, lean, level })
+    let bar = (any_of(100.0), depth(), width, ends(), any_of(10.0), 0.0..=255.0_f32, contours(), shadings()).prop_map(
+        |(bearing, depth_m, width_m, (top_m, bottom_m), lean, level, contour, shading)| {
+            Object::Bar(Bar { bearing, depth_m, width_m, top_m, bottom_m, lean, level, contour, shading })
         },
     );
     let rail = (depth(), ends(), 0.0..=255.0_f32)
@@ -626,7 +664,8 @@ proptest! {
                 prop_assert!(truth.visible_rows <= 24);
             }
             let pixels = row_of(&simulator, row, 32);
-            let levels = scene.objects().iter().map(level_of);
+            let black = scene.objects().iter().any(is_shaded).then_some(0.0);
+            let levels = scene.objects().iter().map(level_of).chain(black);
             let texture = (background - contrast, background + contrast);
             let (least, most) = levels.fold(texture, |(least, most), level| (least.min(level), most.max(level)));
             if exposure == quiet {

@@ -1,9 +1,12 @@
 //! [`Layer`]: one object on one row, and how much of each pixel it covers.
 
+use super::bar::{Bar, EdgeInSpace, level_in_image};
 use super::blur::{BlurredStep, Walk};
+use super::contour::Side;
 use super::exposure::Exposure;
-use super::scene::{Bar, Object, Rail};
-use super::view::{Lens, SeenLine, Vector, View};
+use super::scene::{Object, Rail};
+use super::shading::Cylinder;
+use super::view::{Crossing, Lens, SeenLine, Vector, View, sum};
 
 /// What all objects of a row have in common: the camera during the exposure, and the blur.
 pub(super) struct RowView<'a> {
@@ -12,8 +15,28 @@ pub(super) struct RowView<'a> {
     pub(super) views: [View; 3],
     pub(super) gravity: Vector,
     pub(super) exposure: &'a Exposure,
+    pub(super) softness: Option<Softness>,
     pub(super) columns: u16,
     pub(super) row: f64,
+}
+
+/// By how much the lens blurs more towards the corners: its variance grows with the square of the distance from the
+/// principal point.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Softness {
+    /// Column and row of the principal point.
+    pub(super) centre: [f32; 2],
+    /// In square pixels of blur per square pixel of distance.
+    pub(super) variance_per_px2: f32,
+}
+
+impl Softness {
+    fn variance(&self, column: f32, row: f32) -> f32 {
+        let [cx, cy] = self.centre;
+        let (x, y) = (column - cx, row - cy);
+        self.variance_per_px2 * (x * x + y * y)
+    }
 }
 
 /// Least blur of the lens: less makes no difference behind the pixel's own box.
@@ -39,11 +62,28 @@ impl RowView<'_> {
         self.views.map(|view| view.line(foot_m, along))
     }
 
-    /// The blurred edge where a line crosses this row.
-    fn crossing(&self, lines: &[SeenLine; 3]) -> Option<BlurredStep> {
-        let [start, middle, end] = lines.map(|line| line.cross_row(self.lens, self.row));
+    /// The blurred edge of a bar where it crosses this row.
+    fn edge(&self, bar: &Bar, side: Side, straight: &EdgeInSpace) -> Option<BlurredStep> {
+        let [start, middle, end] = self.views.map(|view| self.crossing(bar, side, straight, &view));
         let (start, middle, end) = (start?, middle?, end?);
-        Some(self.blurred([start.column, middle.column, end.column], middle.slope))
+        let step = self.blurred([start.column, middle.column, end.column], middle.slope);
+        Some(self.softness.as_ref().map_or(step, |softness| {
+            let variance = softness.variance(step.position, self.row as f32);
+            let sigma = libm::sqrtf((step.sigma * step.sigma + variance).max(LEAST_SIGMA_PX * LEAST_SIGMA_PX));
+            BlurredStep { sigma, ..step }
+        }))
+    }
+
+    /// Where the edge is that the bar's contour makes of its straight line.
+    fn crossing(&self, bar: &Bar, side: Side, straight: &EdgeInSpace, view: &View) -> Option<Crossing> {
+        let EdgeInSpace { foot_m, along, across } = *straight;
+        let crossing = view.line(foot_m, along).cross_row(self.lens, self.row)?;
+        if bar.contour.is_straight() {
+            return Some(crossing);
+        }
+        let offset_m = bar.contour.offset_m(side, crossing.along_m, bar.ends_m());
+        let beside_m = sum(foot_m, across.map(|component| component * offset_m));
+        view.line(beside_m, along).cross_row(self.lens, self.row)
     }
 
     /// Share of this row's height that lies between the ends of a line.
@@ -57,26 +97,34 @@ impl RowView<'_> {
     }
 }
 
-/// Direction of a bar, and a point on each of its two edges.
-pub(super) fn bar_in_space(bar: &Bar, gravity: Vector) -> (Vector, [Vector; 2]) {
-    let [gx, gy, gz] = gravity;
-    let [across, down] = level_in_image(gravity);
-    let lean = f64::from(bar.lean);
-    let along = [gx + lean * across, gy + lean * down, gz];
-    let depth = f64::from(bar.depth_m);
-    let (middle, half) = (f64::from(bar.bearing) * depth, 0.5 * f64::from(bar.width_m));
-    (along, [[middle - half, 0.0, depth], [middle + half, 0.0, depth]])
-}
-
-/// The horizontal direction in the image plane; it points to the right for a level camera.
-pub(super) fn level_in_image([gx, gy, _]: Vector) -> [f64; 2] {
-    let length = libm::sqrt(gx * gx + gy * gy);
-    if length > 0.0 { [gy / length, -gx / length] } else { [1.0, 0.0] }
-}
-
 pub(super) struct Layer {
     level: f32,
     shape: Shape,
+    shade: Option<Shade>,
+}
+
+/// The brightness of a cylinder along the row. It is blurred by a box as wide as the blur of its left edge.
+struct Shade {
+    cylinder: Cylinder,
+    middle: f32,
+    /// Half of its width in pixels, with a sign where it is seen upside down; not zero.
+    radius: f32,
+    box_px: f32,
+}
+
+impl Shade {
+    fn new(cylinder: Cylinder, [left, right]: &[BlurredStep; 2]) -> Self {
+        let radius = 0.5 * (right.position - left.position);
+        // The variance of a box of width w is w²/12.
+        let box_px = libm::sqrtf(12.0 * left.sigma * left.sigma + left.motion * left.motion + 1.0);
+        let radius = if radius.abs() > LEAST_SIGMA_PX { radius } else { LEAST_SIGMA_PX };
+        Self { cylinder, middle: 0.5 * (left.position + right.position), radius, box_px }
+    }
+
+    fn at(&self, column: f32) -> f32 {
+        let (x, half) = ((column - self.middle) / self.radius, 0.5 * self.box_px / self.radius.abs());
+        self.cylinder.mean(x - half, x + half)
+    }
 }
 
 enum Shape {
@@ -88,11 +136,11 @@ enum Shape {
 impl Layer {
     /// `None` where the object covers nothing of the row.
     pub(super) fn new(object: &Object, view: &RowView<'_>) -> Option<Self> {
-        let shape = match object {
-            Object::Bar(bar) => bar_shape(bar, view),
-            Object::Rail(rail) => rail_shape(rail, view),
+        let (shape, shade) = match object {
+            Object::Bar(bar) => bar_shape(bar, view)?,
+            Object::Rail(rail) => (rail_shape(rail, view)?, None),
         };
-        shape.map(|shape| Self { level: object.level(), shape })
+        Some(Self { level: object.level(), shape, shade })
     }
 
     /// Level of a pixel once the object has been laid over the level `behind` it. To be called for ascending columns.
@@ -104,19 +152,25 @@ impl Layer {
             }
             Shape::Even { cover } => *cover,
         };
-        if cover > 0.0 { behind + (self.level - behind) * cover.min(1.0) } else { behind }
+        if cover > 0.0 {
+            let level = self.shade.as_ref().map_or(self.level, |shade| self.level * shade.at(column));
+            behind + (level - behind) * cover.min(1.0)
+        } else {
+            behind
+        }
     }
 }
 
-fn bar_shape(bar: &Bar, view: &RowView<'_>) -> Option<Shape> {
-    let (along, feet) = bar_in_space(bar, view.gravity);
-    let [left, right] = feet.map(|foot| view.lines(foot, along));
-    let height = view.height(&left, f64::from(bar.top_m), f64::from(bar.bottom_m)).filter(|height| *height > 0.0)?;
-    let edges = [view.crossing(&left)?, view.crossing(&right)?];
+fn bar_shape(bar: &Bar, view: &RowView<'_>) -> Option<(Shape, Option<Shade>)> {
+    let [left, right] = Side::BOTH.map(|side| bar.edge_in_space(side, view.gravity));
+    let [top_m, bottom_m] = bar.ends_m();
+    let height = view.height(&view.lines(left.foot_m, left.along), top_m, bottom_m).filter(|height| *height > 0.0)?;
+    let edges = [view.edge(bar, Side::Left, &left)?, view.edge(bar, Side::Right, &right)?];
     let last = f32::from(view.columns) - 1.0;
     let [from, to] = edges.map(|edge| (edge.position, edge.reach() + 0.5));
     let passes = from.0.min(to.0) - from.1.max(to.1) > last || from.0.max(to.0) + from.1.max(to.1) < 0.0;
-    (!passes).then(|| Shape::Bar { edges: edges.map(Walk::new), height })
+    let shade = bar.shading.cylinder().map(|cylinder| Shade::new(cylinder, &edges));
+    (!passes).then(|| (Shape::Bar { edges: edges.map(Walk::new), height }, shade))
 }
 
 /// A rail's edge along the row, as a step down each column: linear in the column, since a projection keeps lines straight.

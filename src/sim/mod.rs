@@ -3,7 +3,9 @@
 //!
 //! [`Scene`] holds upright and leaning bars, rods and rails before a background; [`Simulator`] moves a camera past it
 //! and yields each pixel row with the blur of its exposure, that of the lens, shot noise and read noise;
-//! [`Simulator::truth`] says where the edges really are. Any row comes out with the same bits, in any order, on a
+//! [`Simulator::truth`] says where the edges really are. [`Bar`]s may be as the world has them: rough, bowed, tapered, or
+//! round and lit from the side; and a [`Pipeline`] does to the rows what cameras do before they deliver them: tone curves,
+//! sharpening, denoising, a colour mosaic, the sensor's columns. Any row comes out with the same bits, in any order, on a
 //! desktop and on a board: a pixel depends on nothing but the parameters, the seed, the frame, the row and the column.
 //!
 //! It is written from the physics and shares no formula with the estimator: it intersects the plane of a row's rays with
@@ -36,17 +38,32 @@
 mod checked;
 mod exposure;
 mod texture;
-mod scene;
+mod random;
+mod contour;
+mod shading;
 mod view;
+mod bar;
+mod scene;
 mod blur;
 mod layer;
 mod noise;
 mod row_texture;
 mod simulator;
 mod truth;
+mod tone_curve;
+mod window;
+mod neighbours;
+mod stage;
+mod pipeline;
 
+pub use bar::Bar;
+pub use contour::Contour;
 pub use exposure::Exposure;
-pub use scene::{Background, Bar, Object, Rail, Scene};
+pub use pipeline::Pipeline;
+pub use scene::{Background, Object, Rail, Scene};
+pub use shading::Shading;
 pub use simulator::Simulator;
+pub use stage::Stage;
 pub use texture::Texture;
+pub use tone_curve::ToneCurve;
 pub use truth::Truth;

@@ -1,6 +1,6 @@
 //! [`RowTexture`]: the background's texture along one row.
 
-use super::noise::{hash, mix};
+use super::random::{hash, mix};
 use super::scene::Background;
 use super::texture::Texture;
 use super::view::{Lens, Vector, View};

@@ -4,65 +4,10 @@ use core::mem;
 
 use heapless::Vec;
 
-use super::checked::check;
+use super::bar::Bar;
+use super::checked::{DEPTH_M, FAR_M, GREY, check};
 use super::texture::Texture;
 use crate::error::ParameterError;
-
-/// A straight bar of constant grey, upright or leaning; a thin one is a rod.
-///
-/// Its middle line passes through the point `(bearing · depth_m, 0, depth_m)` in the axes of the first frame's start and
-/// follows gravity, or leans from it within the image plane. Both edges are at that depth.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Bar {
-    /// x/z of the middle line, −100 to 100.
-    pub bearing: f32,
-    /// Depth z in metres, 0.01 to 10⁶.
-    pub depth_m: f32,
-    /// Width from the left to the right edge in metres, above zero to 10⁶.
-    pub width_m: f32,
-    /// Upper end in metres along the bar, counted downwards from the camera's y = 0, −10⁶ to `bottom_m`.
-    pub top_m: f32,
-    /// Lower end in metres, counted alike, `top_m` to 10⁶.
-    pub bottom_m: f32,
-    /// Lean in the image plane as a slope, −10 to 10; positive: the column grows with the row. Zero is upright.
-    pub lean: f32,
-    /// Grey level, 0 to 255.
-    pub level: f32,
-}
-
-impl Bar {
-    /// An upright bar that crosses the whole image: from 1 km above the camera to 1 km below it.
-    #[must_use]
-    pub const fn upright(bearing: f32, depth_m: f32, width_m: f32, level: f32) -> Self {
-        Self { bearing, depth_m, width_m, top_m: -1000.0, bottom_m: 1000.0, lean: 0.0, level }
-    }
-
-    /// The same with ends, in metres downwards from the camera's y = 0.
-    #[must_use]
-    pub const fn between(self, top_m: f32, bottom_m: f32) -> Self {
-        Self { top_m, bottom_m, ..self }
-    }
-
-    /// The same, leaning by a slope.
-    #[must_use]
-    pub const fn leaning(self, lean: f32) -> Self {
-        Self { lean, ..self }
-    }
-
-    fn check(&self) -> Result<(), ParameterError> {
-        check([
-            ("bearing", self.bearing, [-100.0, 100.0], "-100 to 100"),
-            ("depth_m", self.depth_m, DEPTH_M, "0.01 to 1000000 (m)"),
-            ("width_m", self.width_m, [f32::MIN_POSITIVE, FAR_M], "above zero to 1000000 (m)"),
-            ("top_m", self.top_m, [-FAR_M, self.bottom_m], "-1000000 to bottom_m (m, downwards)"),
-            ("bottom_m", self.bottom_m, [self.top_m, FAR_M], "top_m to 1000000 (m, downwards)"),
-            ("lean", self.lean, [-10.0, 10.0], "-10 to 10 (slope)"),
-            ("level", self.level, GREY, "0 to 255"),
-        ])
-    }
-}
 
 /// A horizontal bar of constant grey and infinite length, parallel to the first frame's image plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,10 +34,6 @@ impl Rail {
         ])
     }
 }
-
-const FAR_M: f32 = 1e6;
-const DEPTH_M: [f32; 2] = [0.01, FAR_M];
-const GREY: [f32; 2] = [0.0, 255.0];
 
 /// An object of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -161,7 +102,7 @@ impl Background {
 }
 
 /// Up to `OBJECTS` bars and rails before a background, nearer ones before farther ones (by their depth at the first
-/// frame's start, whatever comes later). 32 bytes for each object.
+/// frame's start, whatever comes later). 64 bytes for each object.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -2,9 +2,11 @@
 
 use heapless::Vec;
 
+use super::checked::check;
 use super::exposure::Exposure;
-use super::layer::{Layer, RowView};
-use super::noise::{RowNoise, hash, mix};
+use super::layer::{Layer, RowView, Softness};
+use super::noise::RowNoise;
+use super::random::{hash, mix};
 use super::row_texture::RowTexture;
 use super::scene::Scene;
 use super::view::{Lens, Vector, View};
@@ -27,6 +29,7 @@ pub struct Simulator<'a, const OBJECTS: usize> {
     rate_rad_s: Vector,
     gravity: Vector,
     exposure: Exposure,
+    softness: Option<Softness>,
     seed: u64,
     frame: u32,
     start_ns: i64,
@@ -72,6 +75,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
             rate_rad_s: motion.rate_rad_s().map(f64::from),
             gravity: motion.gravity().map(f64::from),
             exposure,
+            softness: None,
             seed,
             frame: 0,
             start_ns: 0,
@@ -83,6 +87,22 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
     #[must_use]
     pub const fn at_frame(self, frame: u32, start_ns: i64) -> Self {
         Self { frame, start_ns, ..self }
+    }
+
+    /// The same with a lens that is softer (or sharper) towards the corners: its blur at the image's farthest corner, one
+    /// sigma in pixels, 0 to 20. In between its square grows with the square of the distance from the principal point.
+    /// It shows on the edges of bars, not on rails and ends.
+    ///
+    /// *Errors*: a blur outside these limits.
+    pub fn with_corner_blur(self, psf_sigma_px: f32) -> Result<Self, ParameterError> {
+        check([("psf_sigma_px", psf_sigma_px, [0.0, 20.0], "0 to 20 (px)")])?;
+        let (cx, cy) = self.lens.principal_point();
+        let farther = |centre: f64, size: u16| centre.abs().max((f64::from(size) - 1.0 - centre).abs()) as f32;
+        let (x, y) = (farther(cx, self.columns), farther(cy, self.rows()));
+        let grown = psf_sigma_px * psf_sigma_px - self.exposure.psf_sigma_px * self.exposure.psf_sigma_px;
+        let variance_per_px2 = grown / (x * x + y * y).max(1.0);
+        let softness = Softness { centre: [cx as f32, cy as f32], variance_per_px2 };
+        Ok(Self { softness: Some(softness), ..self })
     }
 
     /// The camera's motion in the axes of *this* frame's start, as a range finder needs it; in frame 0 it is as given.
@@ -101,6 +121,28 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
     /// operations for each object; for each pixel within reach of an edge (4.5 sigma of the lens and half of the motion
     /// blur) one or two pairs of `erfcf` and `expf`. *Stack*: about 100 bytes for each of `OBJECTS`.
     pub fn row(&self, row: u16, pixels: &mut [u8]) {
+        let mut pixels = pixels.iter_mut();
+        // The conversion cuts off below 0 and above 255.
+        self.levels(row, pixels.len(), |level| {
+            if let Some(pixel) = pixels.next() {
+                *pixel = (level + 0.5) as u8;
+            }
+        });
+    }
+
+    /// As [`row`](Self::row), but in 1/256 of a grey level, 0 to 65535: what the sensor has before a camera makes eight
+    /// bits of it ([`Pipeline`](super::Pipeline)).
+    pub fn row_q8(&self, row: u16, levels: &mut [u16]) {
+        let mut levels = levels.iter_mut();
+        self.levels(row, levels.len(), |level| {
+            if let Some(level_q8) = levels.next() {
+                *level_q8 = (level * 256.0 + 0.5) as u16;
+            }
+        });
+    }
+
+    /// The levels of a row with their noise, for so many columns at most.
+    fn levels(&self, row: u16, columns: usize, mut take: impl FnMut(f32)) {
         let row = self.nearest_row(row);
         let view = self.row_view(row);
         let [_, middle, _] = &view.views;
@@ -112,10 +154,10 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         }
         let frame_key = hash(mix(self.seed), u64::from(self.frame));
         let mut noise = RowNoise::new(&self.exposure, frame_key, row);
-        for (column, pixel) in (0..self.columns).zip(pixels) {
+        for column in (0..self.columns).take(columns) {
             let x = f32::from(column);
             let level = layers.iter_mut().fold(background.level(x), |behind, layer| layer.cover(x, behind));
-            *pixel = noise.quantise(column, level);
+            take(noise.noisy(column, level));
         }
     }
 
@@ -159,6 +201,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
             views,
             gravity: self.gravity,
             exposure: &self.exposure,
+            softness: self.softness,
             columns: self.columns,
             row: f64::from(row),
         }

@@ -1,14 +1,15 @@
 //! [`Truth`]: where an edge of the scene really is.
 
-use super::layer::{bar_in_space, level_in_image};
-use super::scene::{Bar, Object};
+use super::bar::{Bar, level_in_image};
+use super::contour::Side;
+use super::scene::Object;
 use super::simulator::Simulator;
 use super::view::{SeenLine, Vector, View};
 use crate::edge::Polarity;
 
-/// One edge of a bar, as a range finder should find it in a frame.
+/// One edge of a bar, as a range finder should find it in a frame: the straight line from which its contour departs.
 ///
-/// Bearing and depth are those of the point where the edge crosses y = 0 at the frame's start.
+/// Bearing and depth are those of the point where that line crosses y = 0 at the frame's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,7 +18,7 @@ pub struct Truth {
     pub bearing: f64,
     /// z of that point in metres.
     pub depth_m: f64,
-    /// Polarity of the edge before the plain background; [`Polarity::Unknown`] where bar and background are equally bright.
+    /// Polarity of the edge's limb before the plain background; [`Polarity::Unknown`] where both are equally bright.
     pub polarity: Polarity,
     /// Topmost row that shows the edge: inside the image, between the bar's ends and not behind a nearer object.
     pub first_row: u16,
@@ -25,22 +26,17 @@ pub struct Truth {
     pub last_row: u16,
     /// How many rows show the edge; fewer than from first to last where a nearer object hides some.
     pub visible_rows: u16,
-    /// The bar's lean as a slope. Zero is upright; only upright edges have a distance that can be measured.
+    /// The edge's lean as a slope, its bar's taper included. Zero is upright; only upright edges have a distance that can be
+    /// measured.
     pub lean: f32,
 }
 
 impl Truth {
-    /// Whether the bar stands upright.
+    /// Whether the edge stands upright.
     #[must_use]
     pub fn is_upright(&self) -> bool {
         self.lean == 0.0
     }
-}
-
-#[derive(Clone, Copy)]
-enum Side {
-    Left,
-    Right,
 }
 
 impl<const OBJECTS: usize> Simulator<'_, OBJECTS> {
@@ -56,7 +52,7 @@ impl<const OBJECTS: usize> Simulator<'_, OBJECTS> {
 
 fn edges<'s, const OBJECTS: usize>(simulator: &'s Simulator<'_, OBJECTS>) -> impl Iterator<Item = Truth> + 's {
     simulator.scene().objects().iter().enumerate().flat_map(move |(index, object)| {
-        [Side::Left, Side::Right].into_iter().filter_map(move |side| match object {
+        Side::BOTH.into_iter().filter_map(move |side| match object {
             Object::Bar(bar) => edge(simulator, index, bar, side),
             Object::Rail(_) => None,
         })
@@ -81,9 +77,10 @@ fn edge<const OBJECTS: usize>(
         }
     }
     let background = simulator.scene().background().level;
+    let [left, right] = bar.shading.at_limbs();
     let brighter = match side {
-        Side::Left => bar.level - background,
-        Side::Right => background - bar.level,
+        Side::Left => bar.level * left - background,
+        Side::Right => background - bar.level * right,
     };
     let polarity = if brighter > 0.0 {
         Polarity::Rising
@@ -92,16 +89,20 @@ fn edge<const OBJECTS: usize>(
     } else {
         Polarity::Unknown
     };
-    Some(Truth { bearing, depth_m, polarity, first_row: first_row?, last_row, visible_rows, lean: bar.lean })
+    Some(Truth {
+        bearing,
+        depth_m,
+        polarity,
+        first_row: first_row?,
+        last_row,
+        visible_rows,
+        lean: bar.lean_of(side) as f32,
+    })
 }
 
 fn bar_edge<const OBJECTS: usize>(simulator: &Simulator<'_, OBJECTS>, view: &View, bar: &Bar, side: Side) -> SeenLine {
-    let (along, [left, right]) = bar_in_space(bar, simulator.gravity());
-    let foot = match side {
-        Side::Left => left,
-        Side::Right => right,
-    };
-    view.line(foot, along)
+    let edge = bar.edge_in_space(side, simulator.gravity());
+    view.line(edge.foot_m, edge.along)
 }
 
 /// Whether a row shows the edge in the middle of its exposure.
@@ -138,7 +139,7 @@ fn hides<const OBJECTS: usize>(
 ) -> bool {
     match object {
         Object::Bar(bar) => {
-            let [left, right] = [Side::Left, Side::Right].map(|side| bar_edge(simulator, view, bar, side));
+            let [left, right] = Side::BOTH.map(|side| bar_edge(simulator, view, bar, side));
             let lens = simulator.lens();
             match (left.cross_row(lens, row), right.cross_row(lens, row)) {
                 (Some(from), Some(to)) => {

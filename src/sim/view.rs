@@ -32,6 +32,10 @@ impl Lens {
         ((column - self.cx) / self.fx, (row - self.cy) / self.fy)
     }
 
+    pub(super) const fn principal_point(&self) -> (f64, f64) {
+        (self.cx, self.cy)
+    }
+
     fn pixel(&self, x: f64, y: f64, z: f64) -> (f64, f64) {
         (self.cx + self.fx * x / z, self.cy + self.fy * y / z)
     }
@@ -103,6 +107,8 @@ pub(super) struct SeenLine {
 pub(super) struct Crossing {
     pub(super) column: f64,
     pub(super) slope: f64,
+    /// Where on the line: its λ.
+    pub(super) along_m: f64,
 }
 
 impl SeenLine {
@@ -115,7 +121,11 @@ impl SeenLine {
         let (x, z) = (fx + lambda * ax, fz + lambda * az);
         let (column, _) = lens.pixel(x, 0.0, z);
         let slope = (ax - x / z * az) * lens.fx / (across * lens.fy);
-        (z > NEAR_M && slope.abs() < MAX_SLOPE && column.is_finite()).then_some(Crossing { column, slope })
+        (z > NEAR_M && slope.abs() < MAX_SLOPE && column.is_finite()).then_some(Crossing {
+            column,
+            slope,
+            along_m: lambda,
+        })
     }
 
     /// Row at which the line meets the plane of a column's rays, x = u z. `None` where it is behind the camera.
@@ -159,6 +169,6 @@ fn inner(a: Vector, b: Vector) -> f64 {
     a.into_iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn sum([ax, ay, az]: Vector, [bx, by, bz]: Vector) -> Vector {
+pub(super) fn sum([ax, ay, az]: Vector, [bx, by, bz]: Vector) -> Vector {
     [ax + bx, ay + by, az + bz]
 }
