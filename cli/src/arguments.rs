@@ -75,6 +75,9 @@ pub(crate) struct MotionArgs {
     /// and optionally gx,gy,gz
     #[arg(long, value_name = "FILE")]
     pub(crate) trajectory: Option<PathBuf>,
+    /// Also tell the lines of a sequence that too few frames agree on so far: status `tentative`
+    #[arg(long)]
+    pub(crate) all: bool,
 }
 
 #[derive(Args)]

@@ -84,6 +84,7 @@ Statuses:
   cluttered     so many edge points around it that the line may be one by chance
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
+  tentative     in a sequence, with --all: a line that is cluttered or short, until three frames agree
 Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
 
 const POSTS: &str = "\
@@ -95,7 +96,7 @@ Overlay:
   green, thick  ok: depth and one sigma beside the edge
   blue, thick   far: lower bound of the depth beside the edge
   orange, thin  inconsistent, leaning, moving, bent, cluttered or sideways
-  grey, thin    slow or short
+  grey, thin    slow, short or tentative
 An overlay that is there already is replaced; one that would replace a frame is refused.";
 
 const EDGE_EXAMPLES: &str = "\

@@ -27,8 +27,9 @@ pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Res
     let groups = by_frame(&text, setup).with_context(|| name.clone())?;
     motion.check_frames(groups.len()).map_err(Error::msg)?;
     let names = groups.keys().map(|frame| (frame_number(*frame), frame_name(&name, *frame))).collect();
-    let motion = CameraMotion::new(motion, setup, names)?;
-    let frames = frames(&name, groups, setup, motion).with_context(|| name.clone())?;
+    let camera_motion = CameraMotion::new(motion, setup, names)?;
+    let sequence = FrameSequence::new(setup, &camera_motion, motion.all);
+    let frames = frames(&name, groups, sequence, camera_motion).with_context(|| name.clone())?;
     Ok(Document { frames })
 }
 
@@ -62,9 +63,8 @@ fn frame_name(file: &str, frame: Option<i64>) -> FrameName {
     }
 }
 
-fn frames(name: &str, groups: Frames, setup: &SetupFile, mut motion: CameraMotion) -> Result<Vec<Frame>> {
+fn frames(name: &str, groups: Frames, mut sequence: FrameSequence, mut motion: CameraMotion) -> Result<Vec<Frame>> {
     let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(frame_number(*frame))).chain([None]).collect();
-    let mut sequence = FrameSequence::new(setup, &motion);
     let mut frames = Vec::new();
     for ((key, points), next) in groups.into_iter().zip(nexts) {
         let to_next_s = motion.to_next_s(frame_number(key), next);

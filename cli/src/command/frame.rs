@@ -36,7 +36,7 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
     }
     let format = PictureFormat { size, raw: arguments.raw.is_some(), bits: setup.bits };
     let mut motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
-    let mut sequence = FrameSequence::new(setup, &motion);
+    let mut sequence = FrameSequence::new(setup, &motion, arguments.motion.all);
     let bar = progress::bar(arguments.files.len() as u64);
     let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
     for (number, (index, file)) in (0..).zip(arguments.files.iter().enumerate()) {

@@ -83,7 +83,7 @@ fn colour(status: RangeStatus) -> Rgb<u8> {
     match status {
         RangeStatus::Ok => Rgb([64, 255, 64]),
         RangeStatus::Far => Rgb([96, 176, 255]),
-        RangeStatus::Slow | RangeStatus::Short => Rgb([160, 160, 160]),
+        RangeStatus::Slow | RangeStatus::Short | RangeStatus::Tentative => Rgb([160, 160, 160]),
         _ => Rgb([255, 144, 0]),
     }
 }

@@ -88,7 +88,7 @@ fn colour(status: RangeStatus) -> Colour {
     match status {
         RangeStatus::Ok => Colour::Green,
         RangeStatus::Far | RangeStatus::Slow => Colour::Yellow,
-        RangeStatus::Short => Colour::Grey,
+        RangeStatus::Short | RangeStatus::Tentative => Colour::Grey,
         _ => Colour::Red,
     }
 }

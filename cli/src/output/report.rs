@@ -76,7 +76,7 @@ impl Frame {
             torn,
             ranges: found.ranges.iter().zip(&found.posts).map(|(range, post)| RangeReport::new(range, *post)).collect(),
             edges: counters.points,
-            stray_edges: counters.stray_points,
+            stray_edges: counters.stray_points.saturating_add(found.untold_points),
             dropped_edges: counters.dropped_points,
             dropped_lines: counters.dropped_lines,
             // No component is "-0".

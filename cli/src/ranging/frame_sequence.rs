@@ -1,7 +1,7 @@
 //! [`FrameSequence`]: ranges of frame after frame, each on its own or all as one sequence.
 
 use anyhow::Result;
-use shutter_range::{LensBlur, Line, Motion, MotionBlur, Pose, Range, Sequence, Setup};
+use shutter_range::{LensBlur, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Sequence, Setup};
 
 use super::camera_motion::{CameraMotion, MotionInFrame};
 use super::hints;
@@ -20,12 +20,15 @@ pub(crate) struct FrameSequence {
     sequence: Option<Box<Sequence<f64, LANDMARKS>>>,
     /// The way from the start of this frame to that of the next: the camera's pose there, and the seconds in between.
     to_next: Option<(Pose<f64>, f64)>,
+    tells_tentative: bool,
 }
 
 /// What is told of a frame's lines.
 pub(crate) struct FrameRanges {
     /// From left to right, whatever the order in which the lines ended.
     pub(crate) ranges: Vec<Range<f64>>,
+    /// Points of tentative lines, which are not told.
+    pub(crate) untold_points: u32,
     /// For each range the post that it is a side of, if there is one.
     pub(crate) posts: Vec<Option<Post>>,
     /// The direction of down that was used.
@@ -35,11 +38,11 @@ pub(crate) struct FrameRanges {
 }
 
 impl FrameSequence {
-    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion) -> Self {
+    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion, tells_tentative: bool) -> Self {
         let is_unknown = file.optics.lens_blur_px.is_none();
         let lens = file.setup.motion_blur().filter(|_| is_unknown).copied().map(LensBlur::new);
         let sequence = motion.is_sequence().then(Box::default);
-        Self { setup: file.setup, lens, sequence, to_next: None }
+        Self { setup: file.setup, lens, sequence, to_next: None, tells_tentative }
     }
 
     pub(crate) fn setup(&self) -> &Setup<f64> {
@@ -65,9 +68,12 @@ impl FrameSequence {
 
     /// The ranges of a frame's lines, and what follows from all of them together.
     pub(crate) fn frame(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<FrameRanges> {
-        let mut ranges = self.ranges(motion, lines)?;
+        let tells_tentative = self.tells_tentative;
+        let is_told = |range: &Range<f64>| tells_tentative || range.status != RangeStatus::Tentative;
+        let (mut ranges, untold): (Vec<_>, Vec<_>) = self.ranges(motion, lines)?.into_iter().partition(is_told);
         ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
         Ok(FrameRanges {
+            untold_points: untold.iter().map(|range| u32::from(range.points)).sum(),
             posts: post::posts(&ranges),
             gravity: motion.gravity(),
             sigma_gravity_rad: self.setup.uncertainty().sigma_gravity,

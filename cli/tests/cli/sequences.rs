@@ -70,6 +70,33 @@ fn a_sequence_names_its_edges_and_learns_their_lean() {
     }
 }
 
+/// Seven rows of a post are too short for one frame, and enough for three.
+#[test]
+fn tentative_lines_are_told_when_asked_for() {
+    let mut points = "row,column,line,frame\n".to_string();
+    for frame in 0..4 {
+        for row in 200..207 {
+            // At 2 m, beside a camera that moves to the left by 0.06 m from frame to frame.
+            let column = 300.0 + 18.0 * f64::from(frame) + 450.0 * 0.0333 * f64::from(row) / 480.0;
+            points += &format!("{row},{column},1,{frame}\n");
+        }
+    }
+    let folder = Folder::of(SETUP, &points);
+    let arguments = ["edges", "edges.csv", "--setup", "setup.toml", "--frame-interval-s", "0.04", "--json"];
+    let [told, all] = [&[][..], &["--all"]].map(|rest| folder.run(&[&arguments[..], rest].concat()).json());
+    let statuses =
+        |document: &Value, frame| ranges(document, frame).iter().map(|r| r["status"].clone()).collect::<Vec<_>>();
+    println!("{told:#}");
+    assert_eq!((statuses(&told, 0), statuses(&all, 0)), (vec!["short".into()], vec!["short".into()]));
+    assert_eq!((statuses(&told, 1), statuses(&all, 1)), (Vec::new(), vec![Value::from("tentative")]));
+    let strays = [&told, &all].map(|document| number(&document["frames"][1], "stray_edges"));
+    assert_eq!(strays, [7.0, 0.0], "what is not told is counted");
+    for frame in 2..4 {
+        assert_eq!(statuses(&told, frame), ["ok"], "{told}");
+        assert_eq!(told["frames"][frame], all["frames"][frame]);
+    }
+}
+
 #[test]
 fn frames_on_their_own_have_no_names() {
     let (folder, _) = simulated(&setup(0.1, ""));
