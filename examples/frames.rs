@@ -14,8 +14,8 @@ use shutter_range::{MotionBlur, ParameterError, Range, RangeStatus, Ranger, Resp
 const COLUMNS: u16 = 320;
 const EXPOSURE_S: f32 = 0.006;
 const LENS_BLUR_PX: f32 = 0.7;
-/// 6 KiB.
-type SmallRanger = Ranger<8, 10, 24>;
+/// 4.3 kB.
+type SmallRanger = Ranger<8, 8, 24>;
 
 /// QVGA at 30 frames a second, with a known exposure and a calibrated lens.
 fn setup() -> Result<Setup<f32>, ParameterError> {

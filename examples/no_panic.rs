@@ -56,7 +56,7 @@ fn drive() -> Trajectory<f32, 4> {
     trajectory
 }
 
-type Tables = Ranger<4, 8, 16>;
+type Tables = Ranger<4, 6, 16>;
 
 fn run(ranger: &mut Tables) -> Result<bool, ParameterError> {
     let setup = setup()?;

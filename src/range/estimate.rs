@@ -38,7 +38,8 @@ pub struct Estimate<S> {
     /// Root mean square of the residuals in units of the stated noise: about 1 for a straight edge. Where it is larger than
     /// chance allows, or neighbouring residuals are alike, the sigmas have been enlarged accordingly.
     pub misfit: S,
-    /// The residuals exceed [`Limits::max_departure_q16`](crate::Limits::max_departure_q16).
+    /// The residuals exceed [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge
+    /// within the frame.
     pub bent: bool,
 }
 

@@ -25,6 +25,7 @@ use super::observation::Observation;
 use super::prior::Prior;
 use super::sample::{Sample, Spread};
 use super::sensitivity::Sensitivity;
+use super::status::RangeStatus;
 use crate::error::FitError;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, cross, dot, hypot};
@@ -110,6 +111,9 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     if !estimate.is_finite() {
         return Err(FitError::Diverged);
     }
+    // The equations do not know that a camera passes no edge within a frame.
+    let passes = estimate.status() == RangeStatus::Ok && !problem.is_in_front(&line3);
+    let estimate = Estimate { bent: estimate.bent || passes, ..estimate };
     let mut inliers = Vec::new();
     for observation in &problem.observations {
         // There is room: as many as observations. `collect` could panic.
@@ -241,13 +245,24 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             return Ok(solved);
         }
         // An error in this trial says nothing of the solution at hand.
-        let mirrored = self.settle(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 }).ok();
-        let is_as_good = |other: &Solved<S, N>| {
-            let [_, sigma_per_m, _] = other.solution.covariance().sigma;
-            let is_in_front = other.line3.inverse_depth > S::ZERO && sigma_per_m < S::UNKNOWN;
-            is_in_front && other.cost() < solved.cost() + S::from_i32(9)
-        };
-        Ok(mirrored.filter(is_as_good).unwrap_or(solved))
+        let mirrored = self.mirrored(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 });
+        match mirrored.filter(|(cost, _)| *cost < solved.cost() + S::from_i32(9)) {
+            Some((_, line3)) => self.settle(&line3),
+            None => Ok(solved),
+        }
+    }
+
+    /// Cost and place of the solution in front of the camera, if there is one of which something is known.
+    #[inline(never)]
+    fn mirrored(&self, start: &Line3<S>) -> Option<(S, Line3<S>)> {
+        let solved = self.settle(start).ok()?;
+        let [_, sigma_per_m, _] = solved.solution.covariance().sigma;
+        (self.is_in_front(&solved.line3) && sigma_per_m < S::UNKNOWN).then(|| (solved.cost(), solved.line3))
+    }
+
+    /// Whether the camera has the line before it in all rows.
+    fn is_in_front(&self, line3: &Line3<S>) -> bool {
+        line3.inverse_depth > S::ZERO && self.observations.iter().all(|observation| line3.is_in_front_of(observation))
     }
 
     /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
@@ -255,9 +270,20 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn settle_best(&self, start: &Line3<S>) -> Result<Solved<S, N>, FitError> {
         let solved = self.settle_in_front(start)?;
         let near_either_path = self.prior.blur.as_ref().and_then(|blur| blur.candidates(start));
-        let others = near_either_path.into_iter().flatten().filter_map(|line3| self.converge(&line3));
-        let in_front = others.filter(|other| other.line3.inverse_depth > S::ZERO);
-        Ok(in_front.fold(solved, |best, other| if other.cost() < best.cost() { other } else { best }))
+        let (mut least, mut best) = (solved.cost(), None);
+        for (cost, line3) in near_either_path.into_iter().flatten().filter_map(|line3| self.minimum_near(&line3)) {
+            if cost < least {
+                (least, best) = (cost, Some(line3));
+            }
+        }
+        best.map_or(Ok(solved), |line3| self.settle(&line3))
+    }
+
+    /// Cost and place of the solution near a line. On its own, so that its equations leave the stack before others come.
+    #[inline(never)]
+    fn minimum_near(&self, line3: &Line3<S>) -> Option<(S, Line3<S>)> {
+        let solved = self.converge(line3)?;
+        self.is_in_front(&solved.line3).then(|| (solved.cost(), solved.line3))
     }
 
     /// Least absolute deviations by iterative reweighting (IRLS), so that outliers do not pull the fit towards them. `None`

@@ -43,6 +43,21 @@ impl<S: Scalar> Line3<S> {
         (per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
     }
 
+    /// How far along the line, from its point in the plane y = 0 and in units of that point's depth, the row of an
+    /// observation crosses it.
+    pub(crate) fn along(&self, observation: &Observation<S>) -> S {
+        let ([_, dy, dz], [_, py, pz], [_, gy, gz]) = (observation.direction, observation.position, self.direction());
+        let w = dy / dz;
+        (w * (S::ONE - self.inverse_depth * pz) + self.inverse_depth * py) / (gy - w * gz)
+    }
+
+    /// Whether what an observation shows of the line lies before the camera at that time: as equations alone have it, a
+    /// camera might have passed the line within the frame.
+    pub(crate) fn is_in_front_of(&self, observation: &Observation<S>) -> bool {
+        let ([_, _, pz], [_, _, gz]) = (observation.position, self.direction());
+        S::ONE - self.inverse_depth * pz + self.along(observation) * gz > S::ZERO
+    }
+
     /// Change of [`residual_px`](Self::residual_px) with the inverse depth.
     pub(crate) fn residual_per_inverse_depth(&self, observation: &Observation<S>) -> Option<S> {
         let per_px = self.offset(cross(observation.along_row, self.direction()), observation);

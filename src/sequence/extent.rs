@@ -17,7 +17,7 @@ impl<S: Scalar> Extent<S> {
     /// Between two ends as a frame shows them.
     pub(super) fn between(line3: &Line3<S>, ends: &[Observation<S>; 2]) -> Option<Self> {
         let [first, last] = ends;
-        Self::ordered(along(line3, first), along(line3, last))
+        Self::ordered(line3.along(first), line3.along(last))
     }
 
     fn ordered(a: S, b: S) -> Option<Self> {
@@ -46,11 +46,4 @@ impl<S: Scalar> Extent<S> {
         let propagated = Propagated::of(line3, transition)?;
         Self::ordered(propagated.along(self.from), propagated.along(self.to))
     }
-}
-
-/// How far along the line the row of an observation crosses it.
-fn along<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> S {
-    let ([_, dy, dz], [_, py, pz], [_, gy, gz]) = (observation.direction, observation.position, line3.direction());
-    let w = dy / dz;
-    (w * (S::ONE - line3.inverse_depth * pz) + line3.inverse_depth * py) / (gy - w * gz)
 }
