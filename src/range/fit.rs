@@ -245,19 +245,18 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             return Ok(solved);
         }
         // An error in this trial says nothing of the solution at hand.
-        let mirrored = self.mirrored(&Line3 { inverse_depth: -line3.inverse_depth, ..line3 });
-        match mirrored.filter(|(cost, _)| *cost < solved.cost() + S::from_i32(9)) {
-            Some((_, line3)) => self.settle(&line3),
-            None => Ok(solved),
-        }
+        let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
+        let least = solved.cost() + S::from_i32(9);
+        if self.cost_in_front(&mirrored).is_some_and(|cost| cost < least) { self.settle(&mirrored) } else { Ok(solved) }
     }
 
-    /// Cost and place of the solution in front of the camera, if there is one of which something is known.
+    /// Cost of the solution from a line on, if that is in front of the camera and something is known of it. On its own, so
+    /// that its equations leave the stack before others come.
     #[inline(never)]
-    fn mirrored(&self, start: &Line3<S>) -> Option<(S, Line3<S>)> {
+    fn cost_in_front(&self, start: &Line3<S>) -> Option<S> {
         let solved = self.settle(start).ok()?;
         let [_, sigma_per_m, _] = solved.solution.covariance().sigma;
-        (self.is_in_front(&solved.line3) && sigma_per_m < S::UNKNOWN).then(|| (solved.cost(), solved.line3))
+        (self.is_in_front(&solved.line3) && sigma_per_m < S::UNKNOWN).then(|| solved.cost())
     }
 
     /// Whether the camera has the line before it in all rows.
@@ -279,7 +278,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         best.map_or(Ok(solved), |line3| self.settle(&line3))
     }
 
-    /// Cost and place of the solution near a line. On its own, so that its equations leave the stack before others come.
+    /// Cost and place of the solution near a line; on its own as well.
     #[inline(never)]
     fn minimum_near(&self, line3: &Line3<S>) -> Option<(S, Line3<S>)> {
         let solved = self.converge(line3)?;
