@@ -15,7 +15,7 @@ use crate::error::FitError;
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::scalar::Scalar;
-use crate::setup::Setup;
+use crate::setup::{Readout, Setup};
 
 /// The range of one upright edge: estimate, status, and where the edge is in the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,7 +142,7 @@ impl<S: Scalar> Range<S> {
         let leans = leans_too_much(setup, &fitted.estimate, is_single);
         // Frames that agree are evidence enough, however short or cluttered the line is in this one.
         let status = if is_single { status_of(setup, line, &fitted.estimate) } else { fitted.estimate.status() };
-        self.status = status.unless(Objection::ToldLean, leans).unless(Objection::Clutter, is_single && is_by_chance);
+        self.status = status.unless(Objection::FittedLean, leans).unless(Objection::Clutter, is_single && is_by_chance);
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
@@ -154,7 +154,7 @@ impl<S: Scalar> Range<S> {
         self.lens_blur = path.filter(tells).and_then(|path| blur.of_lens(path, relative_sigma));
         // Where the edge leaves the row within the exposure, there is no upright edge.
         let is_consistent = path.is_some_and(|path| blur.is_consistent(path.abs(), relative_sigma));
-        self.status = self.status.unless(Objection::Lean, !is_consistent);
+        self.status = self.status.unless(Objection::Blur, !is_consistent);
     }
 
     /// The same under the name that a sequence gives to its edge. `moves`: earlier frames show it where a static edge
@@ -162,6 +162,11 @@ impl<S: Scalar> Range<S> {
     pub(crate) fn named(self, line_id: u32, frames: u32, moves: bool, is_weak: bool) -> Self {
         let status = self.status.unless(Objection::Motion, moves).unless(Objection::FewFrames, is_weak);
         Self { line_id: Some(line_id), frames, status, ..self }
+    }
+
+    /// Whether the line has points on so few of the frame's rows that other things around it count.
+    pub(crate) fn is_short_part_of(&self, readout: &Readout) -> bool {
+        self.points < readout.rows() / SHORT_PART
     }
 
     /// Depth and its bounds so many sigmas of inverse depth on either side, as [`Estimate::depth`]; no most likely value
@@ -186,6 +191,9 @@ impl<S: Scalar> Range<S> {
         }
     }
 }
+
+/// Points on less than a fifth of the rows: what clutter strings together by chance is seldom longer.
+const SHORT_PART: u16 = 5;
 
 /// What an estimate is worth, if the line has points enough.
 fn status_of<S: Scalar, const KNOTS: usize>(
@@ -215,7 +223,7 @@ fn leans_too_much<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>, is_single
 /// Whether a line of pixels may be one by chance, or joined from pieces of several: a short one where points lie densely
 /// around it, and any with gaps or residuals that a straight edge does not have.
 fn may_be_by_chance<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Range<S>, line: &Line<KNOTS>) -> bool {
-    let is_short = range.points < setup.readout().rows() / 5;
+    let is_short = range.is_short_part_of(setup.readout());
     let rows = u32::from(range.last_row.abs_diff(range.first_row)) + 1;
     let has_gaps = u32::from(range.points) * 4 < rows * 3;
     let fits_badly = range.estimate.misfit > S::ratio(3, 2);

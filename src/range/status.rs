@@ -18,13 +18,15 @@ pub enum RangeStatus {
     Slow,
     /// Inverse depth below minus three sigma: the slope is against the motion.
     Inconsistent,
-    /// The edge leans: its blur contradicts its slope.
+    /// The edge leans more than its prior allows: by its own fit, or because its blur contradicts its slope. In a sequence
+    /// that has measured the lean, only beyond [`Limits::max_lean_q16`](crate::Limits::max_lean_q16).
     Leaning,
     /// Several frames show the edge where a static one cannot be.
     Moving,
     /// In a sequence: the line alone would be refused as cluttered or short, and too few frames agree yet.
     Tentative,
-    /// No straight edge fits.
+    /// No straight edge fits: a part departs by more than
+    /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the frame.
     Bent,
     /// So many edge points around that this line may be one by chance.
     Cluttered,
@@ -46,9 +48,9 @@ const MOST_SIGMA_CENTI_PER_M: i32 = 33;
 pub(crate) enum Objection {
     Clutter,
     /// The blur contradicts the slope.
-    Lean,
+    Blur,
     /// The fit itself tells a lean that the prior excludes.
-    ToldLean,
+    FittedLean,
     Motion,
     /// Too few frames agree on a weak line.
     FewFrames,
@@ -75,7 +77,7 @@ impl RangeStatus {
     #[must_use]
     pub(crate) fn unless(self, objection: Objection, holds: bool) -> Self {
         let is_sound = match objection {
-            Objection::ToldLean => matches!(self, Self::Ok | Self::Far),
+            Objection::FittedLean => matches!(self, Self::Ok | Self::Far),
             // What moves may look as if it leaned.
             Objection::Motion => matches!(self, Self::Ok | Self::Leaning),
             Objection::FewFrames => matches!(self, Self::Ok | Self::Inconsistent),
@@ -85,9 +87,8 @@ impl RangeStatus {
             return self;
         }
         match objection {
-            Objection::ToldLean => Self::Leaning,
+            Objection::FittedLean | Objection::Blur => Self::Leaning,
             Objection::Clutter => Self::Cluttered,
-            Objection::Lean => Self::Leaning,
             Objection::Motion => Self::Moving,
             Objection::FewFrames => Self::Tentative,
         }

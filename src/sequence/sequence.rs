@@ -72,9 +72,6 @@ pub struct Sequence<S, const LANDMARKS: usize> {
 /// A landmark that is missed in more frames in a row is forgotten.
 const MOST_MISSED: u16 = 30;
 
-/// A line of fewer points than this part of the rows is short: texture lines up so far.
-const SHORT_PART: u16 = 5;
-
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// A sequence that has seen nothing yet.
     #[must_use]
@@ -256,8 +253,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let (polarity, frames, missed, hold_off) = (line.first().polarity, 1, 0, 0);
         let seen = observation.and_then(|observation| Extent::between(&state.line3, &observation.ends));
         let Some(extent) = seen else { return range };
-        let is_short = range.points < setup.readout().rows() / SHORT_PART;
-        let is_weak = !is_informative(range.status) || (is_short && range.status != RangeStatus::Ok);
+        let is_weak = !is_informative(range.status)
+            || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
         let landmark = Landmark { id, polarity, frames, missed, hold_off, is_weak, matched, state, extent };
         if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
