@@ -1,0 +1,140 @@
+//! `cargo xtask budget`: measures, and writes or checks `docs/budget.csv`.
+
+use std::path::PathBuf;
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+
+use crate::board::{BackEnd, Board, Opt};
+use crate::figure::{self, Figure};
+use crate::firmware::{Firmware, root};
+use crate::uses::USES;
+use crate::worst;
+
+/// A figure that has grown by more than this share is a change that the table must tell.
+const TOLERANCE: f64 = 0.02;
+
+/// Measures instructions, flash, RAM and stack on emulated boards, and writes docs/budget.csv and docs/budget.md.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Only this board (several times for several)
+    #[arg(long)]
+    board: Vec<Board>,
+    /// Only this number type
+    #[arg(long)]
+    backend: Vec<BackEnd>,
+    /// Only this optimisation
+    #[arg(long)]
+    opt: Vec<Opt>,
+    /// Only this use, such as "two bars" or "line worst"
+    #[arg(long = "use")]
+    of: Vec<String>,
+    /// Print and write nothing
+    #[arg(long)]
+    print: bool,
+    /// Measure what CI checks, and fail where a figure is more than 2 % above the table; write nothing
+    #[arg(long)]
+    check: bool,
+    /// Search the dearest rows anew (minutes), into xtask/worst_rows.csv
+    #[arg(long)]
+    search: bool,
+}
+
+/// What CI measures.
+const CHECKED: [(Board, BackEnd); 3] =
+    [(Board::M4F, BackEnd::F32), (Board::M0, BackEnd::Fixed), (Board::M0, BackEnd::F32)];
+
+fn csv_path() -> PathBuf {
+    root().join("docs/budget.csv")
+}
+
+pub(crate) fn run(arguments: &Arguments) -> Result<()> {
+    if arguments.search {
+        return worst::search(&Firmware::build(Board::M4F, BackEnd::F32, Opt::Speed)?);
+    }
+    if let Some(name) = arguments.of.iter().find(|name| !USES.iter().any(|of| of.is_named(name))) {
+        let names: Vec<_> = USES.iter().map(|of| of.name).collect();
+        bail!("no use is called \"{name}\", but {}", names.join(", "));
+    }
+    let measured = measure(arguments)?;
+    match (arguments.check, arguments.print) {
+        (true, _) => check(&measured),
+        (false, true) => Ok(()),
+        (false, false) => write(measured),
+    }
+}
+
+/// All that the arguments ask for.
+fn measure(arguments: &Arguments) -> Result<Vec<Figure>> {
+    let mut figures = Vec::new();
+    for opt in chosen(&arguments.opt, if arguments.check { &[Opt::Speed] } else { Opt::value_variants() }) {
+        for board in chosen(&arguments.board, Board::value_variants()) {
+            for backend in chosen(&arguments.backend, BackEnd::value_variants()) {
+                if !arguments.check || CHECKED.contains(&(board, backend)) {
+                    figures.extend(measure_one(arguments, board, backend, opt)?);
+                }
+            }
+        }
+    }
+    Ok(figures)
+}
+
+fn chosen<T: Copy>(asked: &[T], all: &[T]) -> Vec<T> {
+    if asked.is_empty() { all.to_vec() } else { asked.to_vec() }
+}
+
+fn measure_one(arguments: &Arguments, board: Board, backend: BackEnd, opt: Opt) -> Result<Vec<Figure>> {
+    let asked = |name: &&crate::uses::Use| {
+        let named = arguments.of.is_empty() || arguments.of.iter().any(|of| name.is_named(of));
+        named && (name.solves || backend == BackEnd::F32)
+    };
+    let uses: Vec<_> = USES.iter().filter(asked).collect();
+    if uses.is_empty() {
+        return Ok(Vec::new());
+    }
+    let firmware = Firmware::build(board, backend, opt)?;
+    let mut figures = Vec::new();
+    for of in uses {
+        for (quantity, value) in of.measure(&firmware)? {
+            let digits = if quantity == "instructions_per_pixel" { 2 } else { 0 };
+            let value = format!("{value:.digits$}");
+            println!("{board:4} {backend:5} {opt} {:18} {quantity:23} {value:>10}", of.name);
+            figures.push(Figure { board, backend, opt, of: of.name.into(), quantity: quantity.into(), value });
+        }
+    }
+    Ok(figures)
+}
+
+/// Puts the figures into the table.
+fn write(measured: Vec<Figure>) -> Result<()> {
+    let mut table = if csv_path().exists() { figure::read(&csv_path())? } else { Vec::new() };
+    table.retain(|old| !measured.iter().any(|new| new.is_of_same(old)));
+    table.extend(measured);
+    let place = |figure: &Figure| USES.iter().position(|of| of.name == figure.of);
+    table.retain(|figure| place(figure).is_some());
+    table.sort_by_key(|figure| (figure.opt, figure.board, figure.backend, place(figure), figure.quantity.clone()));
+    figure::write(&csv_path(), &table)
+}
+
+/// Fails where a figure has grown beyond the table.
+fn check(measured: &[Figure]) -> Result<()> {
+    let table = figure::read(&csv_path())?;
+    let mut grown = 0;
+    for new in measured {
+        let old = table.iter().find(|old| old.is_of_same(new)).map_or(0.0, Figure::number);
+        if new.number() > old * (1.0 + TOLERANCE) {
+            println!(
+                "{} {} {}: {} is {}, the table says {old}",
+                new.board, new.backend, new.of, new.quantity, new.value
+            );
+            grown += 1;
+        }
+    }
+    if grown > 0 {
+        bail!(
+            "{grown} figures have grown: make them smaller, or run `cargo xtask budget` and commit the table with the change"
+        );
+    }
+    println!("budget: {} figures as the table has them", measured.len());
+    Ok(())
+}

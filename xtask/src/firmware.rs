@@ -1,0 +1,97 @@
+//! [`Firmware`]: the measuring programs, built for one board and run on it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail, ensure};
+use object::{Object, ObjectSection};
+
+use crate::board::{BackEnd, Board, Opt};
+use crate::job::Job;
+
+/// A program that hangs is ended after this.
+const SECONDS: &str = "300";
+
+/// The programs of `xtask/firmware`, linked for a board, a back end and an optimisation.
+pub(crate) struct Firmware {
+    board: Board,
+    programs: PathBuf,
+}
+
+/// What a linked program takes.
+pub(crate) struct Size {
+    pub(crate) flash: u64,
+    pub(crate) ram: u64,
+}
+
+pub(crate) fn root() -> PathBuf {
+    let mut root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    root.pop();
+    root
+}
+
+impl Firmware {
+    pub(crate) fn build(board: Board, backend: BackEnd, opt: Opt) -> Result<Self> {
+        let root = root();
+        let directory = root.join("target/bare").join(board.cpu().unwrap_or_default());
+        let mut cargo = Command::new(root.join(".ci/bare"));
+        cargo.args(["build", "--quiet", "--release", "--locked", "--manifest-path", "xtask/firmware/Cargo.toml"]);
+        cargo.args(["--features", &backend.to_string(), "--target", board.target()]);
+        cargo.arg("--target-dir").arg(&directory);
+        if let Some(cpu) = board.cpu() {
+            let target = board.target();
+            cargo.arg("--config").arg(format!(r#"target.{target}.rustflags = ["-C", "target-cpu={cpu}"]"#));
+        }
+        cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", opt.to_string()).current_dir(&root);
+        let status = cargo.status().context(".ci/bare")?;
+        ensure!(status.success(), "the firmware for {board} with {backend} does not build");
+        Ok(Self { board, programs: directory.join(board.target()).join("release") })
+    }
+
+    /// Runs a program with a job; what it prints, line by line and word by word.
+    pub(crate) fn run(&self, program: &str, job: &Job) -> Result<Vec<Vec<String>>> {
+        let directory = root().join("target/budget").join(format!("{}-{program}", self.board));
+        fs::create_dir_all(&directory)?;
+        fs::write(directory.join("job"), job.bytes())?;
+        let (qemu, machine) = self.board.qemu().split_first().context("a program")?;
+        let output = Command::new("timeout")
+            .args([SECONDS, qemu])
+            .args(machine)
+            .args(["-nographic", "-semihosting-config", "enable=on,target=native", "-kernel"])
+            .arg(self.program(program))
+            .current_dir(&directory)
+            .stdin(Stdio::null())
+            .output()
+            .context(*qemu)?;
+        // Characters one by one go to the console of QEMU, its standard error.
+        let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        if !output.status.success() {
+            bail!("{program} on {}: {}\n{text}", self.board, output.status);
+        }
+        Ok(text.lines().map(|line| line.split(' ').map(str::to_owned).collect()).collect())
+    }
+
+    /// Flash: what is loaded; RAM: what is writable, without the stack.
+    pub(crate) fn size(&self, program: &str) -> Result<Size> {
+        let path = self.program(program);
+        let data = fs::read(&path).with_context(|| path.display().to_string())?;
+        let elf = object::File::parse(&*data)?;
+        let mut size = Size { flash: 0, ram: 0 };
+        for section in elf.sections() {
+            let object::SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+            if sh_flags & u64::from(object::elf::SHF_ALLOC) == 0 || section.name()? == ".stack" {
+                continue;
+            }
+            let in_file = section.kind() != object::SectionKind::UninitializedData;
+            size.flash += if in_file { section.size() } else { 0 };
+            size.ram += if sh_flags & u64::from(object::elf::SHF_WRITE) == 0 { 0 } else { section.size() };
+        }
+        ensure!(size.flash > 1000, "{}: the program is empty", path.display());
+        Ok(size)
+    }
+
+    fn program(&self, name: &str) -> PathBuf {
+        Path::new(&self.programs).join(name)
+    }
+}
