@@ -6,6 +6,7 @@ use std::{env, fs};
 fn main() {
     let target = env::var("TARGET").expect("set by cargo");
     let map = match target.as_str() {
+        _ if env::var("MEMORY_MAP").is_ok_and(|name| name == "microbit") => "memory/microbit.x",
         "thumbv8m.main-none-eabihf" => "memory/an505.x",
         target if target.starts_with("riscv32") => "memory/virt.x",
         _ => "memory/mps2.x",
@@ -23,5 +24,6 @@ fn main() {
         println!("cargo:rustc-cfg=armv8m");
     }
     println!("cargo:rerun-if-changed=memory");
+    println!("cargo:rerun-if-env-changed=MEMORY_MAP");
     println!("cargo:rerun-if-changed=build.rs");
 }

@@ -10,6 +10,10 @@ use serde::{Deserialize, Serialize};
 pub(crate) enum Board {
     #[value(name = "M0")]
     M0,
+    /// An M0 with the memory that it has: 256 KiB of flash and 16 KiB of RAM.
+    #[value(skip)]
+    #[serde(skip)]
+    Microbit,
     #[value(name = "M3")]
     M3,
     #[value(name = "M4F")]
@@ -26,7 +30,7 @@ pub(crate) enum Board {
 impl Board {
     pub(crate) const fn target(self) -> &'static str {
         match self {
-            Self::M0 => "thumbv6m-none-eabi",
+            Self::M0 | Self::Microbit => "thumbv6m-none-eabi",
             Self::M3 => "thumbv7m-none-eabi",
             Self::M4F | Self::M7 => "thumbv7em-none-eabihf",
             Self::M33 => "thumbv8m.main-none-eabihf",
@@ -42,12 +46,21 @@ impl Board {
         }
     }
 
+    /// The memory map, where it is not that of the target.
+    pub(crate) const fn map(self) -> Option<&'static str> {
+        match self {
+            Self::Microbit => Some("microbit"),
+            _ => None,
+        }
+    }
+
     /// QEMU with its machine, and its virtual clock bound to the instructions: 256 ns each make the timer of the Arm
     /// boards tick more than once an instruction.
     pub(crate) const fn qemu(self) -> &'static [&'static str] {
         match self {
             // The code is that of an M0; its own board has too little memory, and an M3 runs the same instructions.
             Self::M0 | Self::M3 => &["qemu-system-arm", "-machine", "mps2-an385", "-icount", "shift=8"],
+            Self::Microbit => &["qemu-system-arm", "-machine", "microbit"],
             Self::M4F => &["qemu-system-arm", "-machine", "mps2-an386", "-icount", "shift=8"],
             Self::M7 => &["qemu-system-arm", "-machine", "mps2-an500", "-icount", "shift=8"],
             Self::M33 => &["qemu-system-arm", "-machine", "mps2-an505", "-icount", "shift=8"],
@@ -83,7 +96,7 @@ macro_rules! display_by_value_name {
         impl fmt::Display for $type {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 let name = self.to_possible_value().map(|value| value.get_name().to_owned());
-                f.pad(&name.unwrap_or_default())
+                f.pad(name.as_deref().unwrap_or("microbit"))
             }
         }
     )* };

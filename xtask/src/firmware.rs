@@ -32,12 +32,19 @@ pub(crate) fn root() -> PathBuf {
 }
 
 impl Firmware {
-    pub(crate) fn build(board: Board, backend: BackEnd, opt: Opt) -> Result<Self> {
+    /// Builds these programs.
+    pub(crate) fn build(board: Board, backend: BackEnd, opt: Opt, programs: &[&str]) -> Result<Self> {
         let root = root();
         let directory = root.join("target/bare").join(board.cpu().unwrap_or_default());
         let mut cargo = Command::new(root.join(".ci/bare"));
         cargo.args(["build", "--quiet", "--release", "--locked", "--manifest-path", "xtask/firmware/Cargo.toml"]);
+        if let Some(map) = board.map() {
+            cargo.env("MEMORY_MAP", map);
+        }
         cargo.args(["--features", &backend.to_string(), "--target", board.target()]);
+        programs.iter().for_each(|program| {
+            cargo.args(["--bin", program]);
+        });
         cargo.arg("--target-dir").arg(&directory);
         if let Some(cpu) = board.cpu() {
             let target = board.target();

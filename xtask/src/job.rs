@@ -9,6 +9,8 @@ pub(crate) struct Rig {
     pub(crate) rows: u16,
     pub(crate) readout_ns: i64,
     pub(crate) focal_px: f64,
+    /// The principal point.
+    pub(crate) centre_px: [f64; 2],
     /// As OpenCV orders them.
     pub(crate) distortion: [f64; 5],
     /// Of tilt, gravity, speed, rate, readout, time and focal length.
@@ -24,6 +26,7 @@ impl Rig {
         rows: 240,
         readout_ns: 33_300_000,
         focal_px: 300.0,
+        centre_px: [159.5, 119.5],
         distortion: [0.0; 5],
         sigmas: [0.001_745, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         exposure_s: 0.002,
@@ -79,6 +82,7 @@ impl Job {
         self.u16(rig.rows);
         self.push(&rig.readout_ns.to_le_bytes());
         self.numbers([rig.focal_px]);
+        self.numbers(rig.centre_px);
         self.numbers(rig.distortion);
         self.numbers(rig.sigmas);
         self.numbers([rig.exposure_s, rig.lens_px]);
@@ -97,5 +101,11 @@ impl Job {
         self.push(&point.sigma_q16.to_le_bytes());
         self.u16(u16::from(point.polarity != shutter_range::Polarity::Rising));
         self.push(&point.time_ns.to_le_bytes());
+    }
+
+    /// The points of a line.
+    pub(crate) fn line(&mut self, points: &[EdgePoint]) {
+        self.count(points.len());
+        points.iter().for_each(|point| self.point(point));
     }
 }

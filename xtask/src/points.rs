@@ -111,6 +111,6 @@ fn pixel(rig: &Rig, [x, y, z]: Vector) -> [f64; 2] {
     let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
     let column = u * radial + 2.0 * p1 * u * w + p2 * (r2 + 2.0 * u * u);
     let row = w * radial + 2.0 * p2 * u * w + p1 * (r2 + 2.0 * w * w);
-    let middle = |size: u16| 0.5 * (f64::from(size) - 1.0);
-    [middle(rig.columns) + rig.focal_px * column, middle(rig.rows) + rig.focal_px * row]
+    let [cx, cy] = rig.centre_px;
+    [cx + rig.focal_px * column, cy + rig.focal_px * row]
 }

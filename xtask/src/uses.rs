@@ -44,6 +44,18 @@ pub(crate) const USES: [Use; 18] = [
 ];
 
 impl Use {
+    /// The program that measures it, or that is measured.
+    pub(crate) fn program(&self) -> &'static str {
+        match self.name {
+            "edges" => "edges",
+            "pixels" => "pixels",
+            "pixels sequence" => "pixels_sequence",
+            "pixels trajectory" => "pixels_trajectory",
+            name if name.starts_with("rows ") => "rows",
+            _ => "solve",
+        }
+    }
+
     pub(crate) fn measure(&self, firmware: &Firmware) -> Result<Measured> {
         (self.measure)(firmware, self.name).with_context(|| self.name)
     }
@@ -120,7 +132,7 @@ fn edge(firmware: &Firmware, _: &str) -> Result<Measured> {
 }
 
 /// The points of so many edges side by side.
-fn points_of_row(rig: &Rig, drive: &Drive, frame: u16, edges: u16) -> Vec<EdgePoint> {
+pub(crate) fn points_of_row(rig: &Rig, drive: &Drive, frame: u16, edges: u16) -> Vec<EdgePoint> {
     let mut random = StdRng::seed_from_u64(u64::from(frame) + 1);
     let mut points = Vec::new();
     for k in 0..edges {
@@ -132,7 +144,7 @@ fn points_of_row(rig: &Rig, drive: &Drive, frame: u16, edges: u16) -> Vec<EdgePo
     points
 }
 
-fn row_by_row(job: &mut Job, rig: &Rig, points: &[EdgePoint]) {
+pub(crate) fn row_by_row(job: &mut Job, rig: &Rig, points: &[EdgePoint]) {
     for row in 0..rig.rows {
         let of_row: Vec<_> = points.iter().filter(|point| point.row == row).collect();
         job.count(of_row.len());
@@ -141,10 +153,10 @@ fn row_by_row(job: &mut Job, rig: &Rig, points: &[EdgePoint]) {
 }
 
 /// 256 rows, so that 16 knots are filled.
-const SIXTEEN_KNOTS: Rig = Rig { rows: 256, ..Rig::QVGA };
+const SIXTEEN_KNOTS: Rig = Rig { rows: 256, centre_px: [159.5, 127.5], ..Rig::QVGA };
 
 /// Attitude and turning.
-const TURNING: Motion =
+pub(crate) const TURNING: Motion =
     Motion { velocity_m_s: [-1.5, 0.05, 0.2], rate_rad_s: [0.05, -0.3, 0.1], gravity: [0.06, 0.995, 0.08] };
 
 fn rig_and_motion(name: &str) -> (Rig, Motion) {
@@ -168,10 +180,7 @@ fn solve_lines(firmware: &Firmware, rig: &Rig, motion: &Motion, lines: &[Vec<Edg
     job.rig(rig);
     job.motion(motion);
     job.count(lines.len());
-    for points in lines {
-        job.count(points.len());
-        points.iter().for_each(|point| job.point(point));
-    }
+    lines.iter().for_each(|points| job.line(points));
     let told = firmware.run("solve", &job)?;
     ensure!(told.len() == lines.len(), "{} of {} lines", told.len(), lines.len());
     Ok(told)

@@ -1,10 +1,10 @@
-//! What the measuring programs share: an exact counter of instructions, a painted stack, and the job that the host has
-//! written.
+//! What the programs for the boards share: an exact counter of instructions, a painted stack, and the job that the host
+//! has written.
 #![no_std]
 #![deny(unsafe_code)]
 
 pub mod counter;
-pub mod job;
+pub mod file;
 pub mod small;
 pub mod stack;
 

@@ -50,3 +50,21 @@ pub fn above() -> usize {
     let marker = 0_u32;
     (&raw const _stack_start as usize).saturating_sub(core::hint::black_box(&raw const marker) as usize)
 }
+
+/// Bytes between the caller and the end of what the map leaves for the stack.
+#[inline(never)]
+pub fn free() -> usize {
+    #[cfg(target_arch = "arm")]
+    {
+        unsafe extern "C" {
+            static _stack_end: u32;
+        }
+        let marker = 0_u32;
+        (core::hint::black_box(&raw const marker) as usize).saturating_sub(&raw const _stack_end as usize)
+    }
+    // virt has more than any program takes
+    #[cfg(target_arch = "riscv32")]
+    {
+        1 << 20
+    }
+}

@@ -2,8 +2,9 @@
 #![no_std]
 #![no_main]
 
+use budget_firmware::Number;
 use budget_firmware::counter::Counter;
-use budget_firmware::job::Job;
+use budget_firmware::file;
 use budget_firmware::stack::Painted;
 use semihosting::println;
 use shutter_range::Ranger;
@@ -12,8 +13,8 @@ budget_firmware::program!(run);
 
 fn run() {
     let counter = Counter::new();
-    let mut job = Job::open();
-    let setup = job.setup();
+    let mut job = file::open();
+    let setup = job.setup::<Number>();
     let (columns, rows) = (setup.camera().intrinsics().columns, setup.readout().rows());
     let mut pixels = [0_u8; 2048];
     let pixels = pixels.get_mut(..columns.into()).expect("no wider image");

@@ -4,10 +4,11 @@
 
 use budget_firmware::Number;
 use budget_firmware::counter::Counter;
-use budget_firmware::job::Job;
+use budget_firmware::file::{self, JobFile};
 use budget_firmware::stack::Painted;
+use budget_job::job::Job;
 use semihosting::println;
-use shutter_range::{Line, Motion, Range, RangeStatus, Ranger, Scalar, Sequence, Setup, Twist};
+use shutter_range::{Motion, Range, RangeStatus, Ranger, Scalar, Sequence, Setup, Twist};
 
 budget_firmware::program!(run);
 
@@ -17,7 +18,7 @@ const STACK: usize = 1 << 17;
 
 fn run() {
     let counter = Counter::new();
-    let mut job = Job::open();
+    let mut job = file::open();
     let what = job.u16();
     let setup = job.setup();
     let motion = job.twist();
@@ -29,7 +30,7 @@ fn run() {
 }
 
 /// A frame of points, row by row.
-fn edges(counter: &Counter, job: &mut Job, setup: &Setup<Number>) {
+fn edges(counter: &Counter, job: &mut Job<JobFile>, setup: &Setup<Number>) {
     let mut ranger = Tables::new();
     let painted = Painted::below(STACK);
     let (mut all, mut points) = (0, 0);
@@ -48,20 +49,16 @@ fn edges(counter: &Counter, job: &mut Job, setup: &Setup<Number>) {
     println!("edges {all} {points} {}", painted.used());
 }
 
-fn lines(counter: &Counter, job: &mut Job, setup: &Setup<Number>, motion: &Twist<Number>) {
+fn lines(counter: &Counter, job: &mut Job<JobFile>, setup: &Setup<Number>, motion: &Twist<Number>) {
     for _ in 0..job.u16() {
-        let points = job.u16();
-        let mut line: Line<16> = Line::new(job.point());
-        for _ in 1..points {
-            line.push(job.point()).expect("rows in order");
-        }
+        let line = job.line();
         let painted = Painted::below(STACK);
         let (range, instructions) = counter.count(|| Range::from_line(setup, motion, &line));
         tell("line", instructions, painted.used(), &range);
     }
 }
 
-fn sequence(counter: &Counter, job: &mut Job, setup: &Setup<Number>, first: &Twist<Number>) {
+fn sequence(counter: &Counter, job: &mut Job<JobFile>, setup: &Setup<Number>, first: &Twist<Number>) {
     let mut motion = *first;
     let mut ranger = Tables::new();
     let mut sequence: Sequence<Number, 16> = Sequence::new();

@@ -1,23 +1,30 @@
-//! The job: what the host has written to the file `job` for the board to do.
+//! [`Job`]: what the host has written for a board to do; the other side is `xtask/src/job.rs`.
 
-use crate::Number;
-use semihosting::fs::File;
-use semihosting::io::Read;
 use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, MotionBlur, Polarity, Readout, ReadoutDirection, Response, Scalar,
+    Camera, Distortion, EdgePoint, Intrinsics, Line, MotionBlur, Polarity, Readout, ReadoutDirection, Response, Scalar,
     Setup, Twist, Uncertainty,
 };
 
-/// A reader of little-endian numbers.
-pub struct Job(File);
+/// Where a job comes from: the file on a board, memory on the host.
+pub trait Source {
+    /// Fills all of the bytes.
+    fn fill(&mut self, bytes: &mut [u8]);
+}
 
-impl Job {
-    pub fn open() -> Self {
-        Self(File::open(c"job").expect("a job in the working directory"))
+impl Source for &[u8] {
+    fn fill(&mut self, bytes: &mut [u8]) {
+        let (next, rest) = self.split_at(bytes.len());
+        bytes.copy_from_slice(next);
+        *self = rest;
     }
+}
 
+/// A reader of little-endian numbers.
+pub struct Job<R>(pub R);
+
+impl<R: Source> Job<R> {
     pub fn bytes(&mut self, bytes: &mut [u8]) {
-        self.0.read_exact(bytes).expect("a whole job");
+        self.0.fill(bytes);
     }
 
     fn array<const N: usize>(&mut self) -> [u8; N] {
@@ -39,19 +46,20 @@ impl Job {
     }
 
     /// A number, in 10⁻⁹.
-    fn number(&mut self) -> Number {
-        Number::from_ratio(self.i64(), 1_000_000_000)
+    fn number<S: Scalar>(&mut self) -> S {
+        S::from_ratio(self.i64(), 1_000_000_000)
     }
 
-    fn numbers<const N: usize>(&mut self) -> [Number; N] {
+    fn numbers<S: Scalar, const N: usize>(&mut self) -> [S; N] {
         core::array::from_fn(|_| self.number())
     }
 
-    pub fn setup(&mut self) -> Setup<Number> {
+    pub fn setup<S: Scalar>(&mut self) -> Setup<S> {
         let (columns, rows, readout_ns) = (self.u16(), self.u16(), self.i64());
-        let focal = self.number();
+        let [focal, cx, cy] = self.numbers();
         let distortion = Distortion::from_opencv(self.numbers());
-        let camera = Camera::new(Intrinsics::centred(columns, rows, focal), distortion).expect("a sound camera");
+        let camera = Camera::new(Intrinsics { columns, rows, fx: focal, fy: focal, cx, cy }, distortion)
+            .expect("a sound camera");
         let direction = ReadoutDirection::TopToBottom;
         let readout = Readout::from_frame_readout_ns(rows, readout_ns as u64, direction).expect("a sound readout");
         let [tilt, gravity, speed, rate, readout_part, time_s, focal] = self.numbers();
@@ -74,7 +82,7 @@ impl Job {
     }
 
     /// Velocity, rate and gravity.
-    pub fn twist(&mut self) -> Twist<Number> {
+    pub fn twist<S: Scalar>(&mut self) -> Twist<S> {
         Twist::new(self.numbers(), self.numbers(), self.numbers()).expect("a sound motion")
     }
 
@@ -84,5 +92,15 @@ impl Job {
         let polarity = if self.u16() == 0 { Polarity::Rising } else { Polarity::Falling };
         let point = EdgePoint::new(row, column_q16, self.i64());
         EdgePoint { width_q8, ..point.with_sigma_q16(sigma_q16).with_polarity(polarity) }
+    }
+
+    /// The points of a line.
+    pub fn line(&mut self) -> Line<16> {
+        let points = self.u16();
+        let mut line = Line::new(self.point());
+        for _ in 1..points {
+            line.push(self.point()).expect("rows in order");
+        }
+        line
     }
 }
