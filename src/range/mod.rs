@@ -25,6 +25,8 @@ pub use budget::{Budget, ErrorSource};
 pub(crate) use covariance::Covariance;
 pub use estimate::{Estimate, Interval, Sigmas};
 pub use fit::fit;
+pub(crate) use fit::robust_scale_of;
+pub(crate) use goodness_of_fit::chance_limit;
 pub use lens_blur::LensBlur;
 pub(crate) use line_state::LineState;
 pub(crate) use line3::Line3;
