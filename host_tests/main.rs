@@ -24,6 +24,7 @@ mod least_squares;
 mod measure;
 mod monte_carlo;
 mod outliers;
+mod plan;
 mod projection;
 mod propagation;
 mod readout;

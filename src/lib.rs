@@ -131,6 +131,7 @@ mod sequence;
 
 // Before and beside the way: what to tell it, and what to expect of it.
 pub mod calibrate;
+pub mod plan;
 
 #[cfg(feature = "libm")]
 pub mod sim;

@@ -32,6 +32,7 @@ pub(crate) use line_state::LineState;
 pub(crate) use line3::Line3;
 pub(crate) use observation::Observation;
 pub use range::Range;
+pub(crate) use range::column_at;
 pub use sample::{Sample, Spread};
 pub(crate) use shared_error::SharedError;
 pub use status::RangeStatus;
