@@ -110,6 +110,8 @@ fn both_directions_tell_tilt_from_scale() {
     for found in [&one, &both] {
         assert!((found.scale - SCALE).abs() < 1e-9 && (found.tilt - 0.01).abs() < 1e-9, "{found:?}");
     }
+    let same = fit_scale::<f64, N>(&passes([2.0; 4]), None);
+    assert!(matches!(same, Err(ScaleRefusal::Alike { .. })), "{same:?}");
     let alike = fit_scale::<f64, N>(&passes([2.0, 2.001, 2.0, 2.001]), None);
     assert!(matches!(alike, Err(ScaleRefusal::Alike { .. })), "{alike:?}");
     // The same without a tilt to tell it from, which is then a part of the scale.

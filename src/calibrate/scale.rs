@@ -108,9 +108,9 @@ impl<S: Scalar> Display for ScaleRefusal<S> {
             Self::TooManyPasses => write!(formatter, "more passes than there is room for"),
             Self::Alike { relative_sigma } => write!(
                 formatter,
-                "the passes are too alike to tell the scale from a tilt (sigma of the scale {:.0} %): pass in both directions, \
-                 or at other speeds and distances",
-                relative_sigma.to_f64() * 100.0
+                "the passes are too alike to tell the scale from a tilt (sigma {:.1} times the scale): pass in both directions, or \
+                 at other speeds and distances",
+                relative_sigma.to_f64()
             ),
             Self::Reversed => write!(formatter, "the edges slope against the stated motion: a sign is wrong"),
             Self::Contradictory { misfit } => write!(
@@ -272,6 +272,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     fn judge(&self, line: &Line<S>) -> Result<Scale<S, N>, ScaleRefusal<S>> {
+        if !line.sigma_scale.is_finite() {
+            return Err(ScaleRefusal::Alike { relative_sigma: S::UNKNOWN });
+        }
         let deviations = self.deviations(line);
         let kept = deviations.iter().zip(&self.terms).filter(|(_, term)| !term.is_outlier);
         let squares = kept.fold(S::ZERO, |sum, (deviation, _)| sum + *deviation * *deviation);
