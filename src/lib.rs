@@ -39,7 +39,8 @@
 //! ```
 //!
 //! The line time, on which every distance rests, comes from the sensor itself: [`measure`] fits it to stamped interrupts, and
-//! `sensor` (feature `embedded-hal`) reads it from the registers of ten common chips.
+//! `sensor` (feature `embedded-hal`) reads it from the registers of ten common chips. [`calibrate`] measures it without either, by a
+//! lamp that flickers, and the scale of the camera by edges at known distances.
 //!
 //! The motion of a frame is a constant [`Twist`], or what a [`Trajectory`] makes of stamped odometry and gyroscope samples.
 //!
@@ -127,6 +128,10 @@ mod range;
 pub mod rse;
 mod ranger;
 mod sequence;
+
+// Before and beside the way: what to tell it, and what to expect of it.
+pub mod calibrate;
+pub mod plan;
 
 #[cfg(feature = "libm")]
 pub mod sim;

@@ -48,9 +48,124 @@ pub(crate) enum Command {
     /// Frames of a simulated scene, with the truth about their edges
     #[command(after_help = help::SIMULATE)]
     Simulate(SimulateArgs),
+    /// What a data sheet does not say of a camera, measured
+    #[command(subcommand)]
+    Calibrate(CalibrateCommand),
+    /// What cameras will measure, before they drive; with several setups, which of them is the best
+    #[command(after_help = help::PLAN)]
+    Plan(PlanArgs),
+    /// The figures of the paper from the library's own functions, with the measured points, and some that it lacks
+    Figures {
+        /// Folder for the files; made if there is none. Files of the same names are replaced
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Image sensors and their modes: line time, frame readout, and how well that is known
     #[command(after_help = help::SENSORS)]
     Sensors,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum CalibrateCommand {
+    /// Line time and readout from frames of something that a flickering lamp lights, with the camera at rest
+    #[command(after_help = help::FLICKER)]
+    Flicker(FlickerArgs),
+    /// Focal length times line time, and a constant tilt, from passes at known distance and speed
+    #[command(after_help = help::SCALE)]
+    Scale(ScaleArgs),
+}
+
+#[derive(Args)]
+pub(crate) struct FlickerArgs {
+    /// Two frames or more, in their order: bands must move from one to the next
+    #[arg(required = true, value_name = "FRAME")]
+    pub(crate) files: Vec<PathBuf>,
+    /// How often the light flickers: 100 or 120 for lamps on mains of 50 or 60 Hz, else the frequency of its PWM or strobe
+    #[arg(long, value_name = "HZ", value_parser = frequency)]
+    pub(crate) frequency_hz: f64,
+    /// How well that is known, one standard deviation; default: 0.04 % for 100 and 120 Hz, 100 ppm otherwise
+    #[arg(long, value_name = "HZ", value_parser = frequency_sigma)]
+    pub(crate) sigma_hz: Option<f64>,
+    /// Exposure of a row, which may explain why there are no bands
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
+    pub(crate) exposure_s: Option<f64>,
+    /// Frame rate of the camera, which bounds the readout where the lamp flickers faster than the rows
+    #[arg(long, value_name = "HZ", value_parser = above_zero)]
+    pub(crate) frame_rate_hz: Option<f64>,
+    /// The files are dumps of 8-bit grey pixels without a header, row by row from the top
+    #[arg(long, value_name = "WIDTHxHEIGHT")]
+    pub(crate) raw: Option<Size>,
+    /// Draw the bands of the first two frames
+    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
+    pub(crate) svg: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct ScaleArgs {
+    /// CSV with the header speed_m_s,distance_m and one of slope, angle_deg and frame
+    #[arg(value_name = "PASSES.csv")]
+    pub(crate) file: PathBuf,
+    /// Focal length in pixels, if it is known: gives the line time
+    #[arg(long, value_name = "PIXELS", value_parser = above_zero)]
+    pub(crate) focal_px: Option<f64>,
+    /// Readout of the frame, if it is known: gives the focal length
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "focal_px")]
+    pub(crate) readout_s: Option<f64>,
+    /// Rows of the frame, for the focal length
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) rows: Option<u16>,
+    /// How well the camera's roll is known to be none, one standard deviation; 0: exactly. Default: it is fitted
+    #[arg(long, value_name = "DEGREES", value_parser = roll)]
+    pub(crate) sigma_roll_deg: Option<f64>,
+    /// Draw the passes and the fit
+    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
+    pub(crate) svg: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct PlanArgs {
+    /// Camera, motion and attitude (TOML); several are compared, at the first one's motion
+    #[arg(long = "setup", value_name = "FILE", required = true)]
+    pub(crate) setups: Vec<PathBuf>,
+    /// Nearest depth in metres
+    #[arg(long, value_name = "METRES", default_value_t = 0.5, value_parser = above_zero)]
+    pub(crate) from: f64,
+    /// Farthest depth in metres
+    #[arg(long, value_name = "METRES", default_value_t = 10.0, value_parser = above_zero)]
+    pub(crate) to: f64,
+    /// Depths between the two
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) steps: u32,
+    /// Wanted sigma, relative
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.1, value_parser = above_zero)]
+    pub(crate) sigma: f64,
+    /// Lowest speed; default: the setup's
+    #[arg(long, value_name = "SPEED", value_parser = above_zero)]
+    pub(crate) slowest_m_s: Option<f64>,
+    /// Highest speed; default: the setup's
+    #[arg(long, value_name = "SPEED", value_parser = above_zero)]
+    pub(crate) fastest_m_s: Option<f64>,
+    /// Height of the post, half of it above the camera
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
+    pub(crate) height_m: f64,
+    /// Width of the post
+    #[arg(long, value_name = "METRES", default_value_t = 0.12, value_parser = above_zero)]
+    pub(crate) width_m: f64,
+    /// Grey levels between the post and what is behind it
+    #[arg(long, value_name = "LEVELS", default_value_t = 110.0, value_parser = contrast)]
+    pub(crate) contrast: f64,
+    /// x/z of the post at frame start
+    #[arg(long, value_name = "BEARING", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub(crate) bearing: f64,
+    /// Read noise, one sigma in grey levels
+    #[arg(long, value_name = "LEVELS", default_value_t = 2.5)]
+    pub(crate) read_noise: f64,
+    /// Variance of shot noise per grey level
+    #[arg(long, value_name = "GAIN", default_value_t = 0.03)]
+    pub(crate) shot_gain: f64,
+    /// Draw sigma against depth
+    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
+    pub(crate) svg: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -121,6 +236,37 @@ pub(crate) struct SimulateArgs {
     /// s, or the readout time of the frame if that is longer
     #[arg(long, value_name = "SECONDS", value_parser = interval, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
+}
+
+fn within(text: &str, least: f64, most: f64, expected: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("it must be {expected}"))
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    within(text, f64::MIN_POSITIVE, f64::MAX, "a finite number above 0")
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 100_000.0, "a number from 1 to 100000 (Hz)")
+}
+
+fn frequency_sigma(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 100_000.0, "a number from 0 to 100000 (Hz)")
+}
+
+fn roll(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 45.0, "a number from 0 to 45 (degrees)")
+}
+
+fn contrast(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 230.0, "a number from 1 to 230 (grey levels)")
+}
+
+fn svg_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if is_svg { Ok(path) } else { Err("it must end in .svg".to_string()) }
 }
 
 fn png_path(text: &str) -> Result<PathBuf, String> {

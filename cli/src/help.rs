@@ -8,6 +8,10 @@ Examples:
   detect-edges video.mp4 | shutter-range edges - --setup camera.toml --json
   shutter-range frame frame.png --setup camera.toml --overlay seen.png
   shutter-range simulate --setup camera.toml --out simulated
+  shutter-range calibrate flicker frame-*.png --frequency-hz 100
+  shutter-range calibrate scale passes.csv --focal-px 600
+  shutter-range plan --setup camera.toml --from 0.5 --to 10
+  shutter-range figures figures
   shutter-range sensors
 
 Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
@@ -140,10 +144,54 @@ A scene:
   [sensor]            # noise: one sigma in grey levels, and variance per grey level
   read_noise = 1.0
   shot_gain = 0.05
+  [lamp]              # that lights all of it; default: steady light
+  frequency_hz = 1000
+  depth = 0.5         # share of the light that flickers; default 1
+  duty = 0.3          # pulses of this share of the period; default: a sine
 
 Example:
   shutter-range simulate --setup camera.toml --out simulated --frames 10
   shutter-range frame simulated/frame-*.png --setup simulated/setup.toml --frame-interval-s 0.0333333333";
+
+pub(crate) const FLICKER: &str = "\
+Point the camera at anything evenly lit by the lamp alone, hold it still, switch auto-exposure off and take
+some frames. Bands along the rows must show, and move from frame to frame: the exposure must be no whole
+number of the lamp's periods, and the lamp's frequency no multiple of the frame rate.
+
+Statuses: ok, too_few_frames, no_bands, exposure_of_periods, too_few_periods, inconsistent, ambiguous.
+Without a line time the exit code is 1.
+
+Examples:
+  shutter-range calibrate flicker frame-*.png --frequency-hz 100   # a lamp on mains of 50 Hz
+  shutter-range calibrate flicker frame-*.png --frequency-hz 1000 --svg bands.svg --json";
+
+pub(crate) const SCALE: &str = "\
+Columns:
+  speed_m_s       of the edge along the rows: positive where the camera moves to the left
+  distance_m      depth of the edge: along the optical axis
+  slope           of the edge in the image, pixels per row; or
+  angle_deg       the same as an angle; or
+  frame           a picture, whose longest edge is taken, as seen from the folder of the file
+  readout_s       of the frame, where it differs from pass to pass; then kappa is fitted
+  bearing         x/z of the edge, and
+  heading_deg     angle of the motion to the image plane, as the paper's omega; default 0
+  sigma_deg       how much the edge leans, one standard deviation; default 0.1
+  sigma_relative  how well speed over distance is known; default 0
+Pass in both directions, or at different speeds and distances: otherwise a tilt looks like a scale.
+
+Statuses: ok, too_few_passes, too_many_passes, alike, reversed, contradictory. Without a scale the exit code
+is 1.
+
+Example:
+  shutter-range calibrate scale passes.csv --focal-px 600 --svg passes.svg";
+
+pub(crate) const PLAN: &str = "\
+The post is 12 cm wide and 1 m high with a contrast of 110 grey levels, unless options say otherwise. Sigma is
+that of one edge in one frame, with all that the setup states as uncertain.
+
+Examples:
+  shutter-range plan --setup camera.toml --from 0.5 --to 10
+  shutter-range plan --setup vga.toml --setup qvga.toml --sigma 0.2 --slowest-m-s 0.5 --fastest-m-s 2";
 
 pub(crate) const SENSORS: &str = "\
 The line time is that from one row of the image to the next, for camera.line_time_us of a setup: the

@@ -12,9 +12,11 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::Parser;
 
-use crate::arguments::{Cli, Command, FrameArgs};
-use crate::command::{edges, frame, sensors, setup, simulate, table2};
-use crate::output::{overlay, range_table, terminal, truth};
+use crate::arguments::{CalibrateCommand, Cli, Command, FlickerArgs, FrameArgs, PlanArgs, ScaleArgs};
+use crate::command::{
+    calibrate_flicker, calibrate_scale, edges, figures, frame, plan, sensors, setup, simulate, table2,
+};
+use crate::output::{overlay, range_table, safe_file, terminal, truth};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -44,6 +46,13 @@ fn run(cli: &Cli) -> Result<ExitCode> {
             let truth = simulate::frames(arguments)?;
             if cli.json { terminal::json(&truth)? } else { truth::text(&truth, &arguments.out, colours) }
         }
+        Command::Calibrate(CalibrateCommand::Flicker(arguments)) => return run_flicker(arguments, cli.json),
+        Command::Calibrate(CalibrateCommand::Scale(arguments)) => return run_scale(arguments, cli.json),
+        Command::Plan(arguments) => run_plan(arguments, cli.json)?,
+        Command::Figures { folder } => {
+            let document = figures::draw(folder)?;
+            if cli.json { terminal::json(&document)? } else { figures::text(&document) }
+        }
         Command::Sensors => {
             let document = sensors::modes()?;
             if cli.json { terminal::json(&document)? } else { sensors::text(&document, colours) }
@@ -66,6 +75,39 @@ fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
         terminal::print(&text)?;
     }
     Ok(if failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What cannot be told is no error of the program, but no success either.
+fn exit_code(status: &str) -> ExitCode {
+    if status == "ok" { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn run_flicker(arguments: &FlickerArgs, json: bool) -> Result<ExitCode> {
+    let outcome = calibrate_flicker::measure(arguments)?;
+    let document = &outcome.document;
+    terminal::print(&if json { terminal::json(document)? } else { calibrate_flicker::text(document) })?;
+    if let Some(path) = &arguments.svg {
+        safe_file::write_text(path, &calibrate_flicker::chart(&outcome, path)?)?;
+    }
+    Ok(exit_code(document.status))
+}
+
+fn run_scale(arguments: &ScaleArgs, json: bool) -> Result<ExitCode> {
+    let document = calibrate_scale::measure(arguments)?;
+    let text = if json { terminal::json(&document)? } else { calibrate_scale::text(&document, terminal::colours()) };
+    terminal::print(&text)?;
+    if let Some(path) = &arguments.svg {
+        safe_file::write_text(path, &calibrate_scale::chart(&document, &arguments.file)?)?;
+    }
+    Ok(exit_code(document.status))
+}
+
+fn run_plan(arguments: &PlanArgs, json: bool) -> Result<String> {
+    let document = plan::plan(arguments)?;
+    if let Some(path) = &arguments.svg {
+        safe_file::write_text(path, &plan::chart(&document)?)?;
+    }
+    if json { terminal::json(&document) } else { Ok(plan::text(&document, terminal::colours())) }
 }
 
 /// The tables of a ranger are built on the stack before they go to the heap: too much for the main thread of some systems.

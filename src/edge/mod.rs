@@ -12,4 +12,5 @@ pub(crate) use model::EdgeModel;
 pub(crate) use pixel_row::PixelRow;
 pub use point::{EdgePoint, Polarity};
 pub use scan::{ScannedPoint, Scanner};
-pub(crate) use window::Neighbours;
+pub(crate) use spread_function::SpreadFunction;
+pub(crate) use window::{Neighbours, PLATEAU};

@@ -37,7 +37,7 @@ impl Neighbours {
 }
 
 /// Pixels of plateau on either side that tell its level.
-const PLATEAU: i64 = 4;
+pub(crate) const PLATEAU: i64 = 4;
 
 /// The pixels around an edge: its flank, and a plateau on either side.
 pub(crate) struct Window<'p> {

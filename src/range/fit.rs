@@ -352,7 +352,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
 /// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is needed.
 /// At least half a sigma: where all deviations are tiny, none is an outlier.
-fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
+pub(crate) fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
     let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
     let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);
     usual.unwrap_or(S::ONE).max(S::ratio(1, 2))

@@ -51,7 +51,7 @@ impl<S: Scalar> GoodnessOfFit<S> {
         }
         let spare = S::from_i32(sums.count - SPENT);
         let variance = sums.squares / spare;
-        let is_large = variance > chance_limit(spare);
+        let is_large = variance > chance_limit(spare, S::from_i32(CHANCE_SIGMAS));
         let correlation = sums.correlation(is_large);
         let enlarged = variance * (S::ONE + correlation) / (S::ONE - correlation);
         let is_enlarged = is_large || correlation > S::ZERO;
@@ -97,9 +97,12 @@ impl<S: Scalar> Sums<S> {
     }
 }
 
-/// The mean square of `count` unit variates exceeds this once in 30000 times (Wilson and Hilferty, at four sigma).
-fn chance_limit<S: Scalar>(count: S) -> S {
+/// Four sigma: once in 30000 lines.
+const CHANCE_SIGMAS: i32 = 4;
+
+/// What the mean square of `count` unit variates exceeds as seldom as a normal variate so many sigmas (Wilson and Hilferty).
+pub(crate) fn chance_limit<S: Scalar>(count: S, sigmas: S) -> S {
     let part = S::ratio(2, 9) / count;
-    let root = S::ONE - part + S::from_i32(4) * part.sqrt();
+    let root = S::ONE - part + sigmas * part.sqrt();
     root * root * root
 }

@@ -232,7 +232,12 @@ fn may_be_by_chance<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Ran
 
 /// Column at which the fitted line crosses the row of `near`, by Newton's iteration along that row; that of `near` itself
 /// where the line does not cross the row.
-fn column_at<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, line3: &Line3<S>, near: &EdgePoint) -> S {
+pub(crate) fn column_at<S: Scalar, M: Motion<S>>(
+    setup: &Setup<S>,
+    motion: &M,
+    line3: &Line3<S>,
+    near: &EdgePoint,
+) -> S {
     let mut sample = Sample::point(near.column_px(), S::from_i32(i32::from(near.row)), near.time_s(), S::ONE);
     // Exact in one step without distortion.
     for _ in 0..3 {

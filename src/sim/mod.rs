@@ -5,7 +5,7 @@
 //! and yields each pixel row with the blur of its exposure, that of the lens, shot noise and read noise;
 //! [`Simulator::truth`] says where the edges really are. [`Bar`]s may be as the world has them: rough, bowed, tapered, or
 //! round and lit from the side; and a [`Pipeline`] does to the rows what cameras do before they deliver them: tone curves,
-//! sharpening, denoising, a colour mosaic, the sensor's columns. Any row comes out with the same bits, in any order, on a
+//! sharpening, denoising, a colour mosaic, the sensor's columns. Lamps may [`Flicker`]. Any row comes out with the same bits, in any order, on a
 //! desktop and on a board: a pixel depends on nothing but the parameters, the seed, the frame, the row and the column.
 //!
 //! It is written from the physics and shares no formula with the estimator: it intersects the plane of a row's rays with
@@ -37,6 +37,7 @@
 
 mod checked;
 mod exposure;
+mod flicker;
 mod texture;
 mod random;
 mod contour;
@@ -59,6 +60,7 @@ mod pipeline;
 pub use bar::Bar;
 pub use contour::Contour;
 pub use exposure::Exposure;
+pub use flicker::Flicker;
 pub use pipeline::Pipeline;
 pub use scene::{Background, Object, Rail, Scene};
 pub use shading::Shading;

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::checked::check;
 use super::exposure::Exposure;
+use super::flicker::Flicker;
 use super::layer::{Layer, RowView, Softness};
 use super::noise::RowNoise;
 use super::random::{hash, mix};
@@ -30,6 +31,7 @@ pub struct Simulator<'a, const OBJECTS: usize> {
     gravity: Vector,
     exposure: Exposure,
     softness: Option<Softness>,
+    flicker: Option<Flicker>,
     seed: u64,
     frame: u32,
     start_ns: i64,
@@ -76,6 +78,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
             gravity: motion.gravity().map(f64::from),
             exposure,
             softness: None,
+            flicker: None,
             seed,
             frame: 0,
             start_ns: 0,
@@ -103,6 +106,14 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         let variance_per_px2 = grown / (x * x + y * y).max(1.0);
         let softness = Softness { centre: [cx as f32, cy as f32], variance_per_px2 };
         Ok(Self { softness: Some(softness), ..self })
+    }
+
+    /// The same in light that flickers, in time with the start of frame 0.
+    ///
+    /// *Errors*: a frequency, depth or duty outside the limits of its fields.
+    pub fn with_flicker(self, flicker: Flicker) -> Result<Self, ParameterError> {
+        flicker.check()?;
+        Ok(Self { flicker: Some(flicker), ..self })
     }
 
     /// The camera's motion in the axes of *this* frame's start, as a range finder needs it; in frame 0 it is as given.
@@ -154,11 +165,18 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         }
         let frame_key = hash(mix(self.seed), u64::from(self.frame));
         let mut noise = RowNoise::new(&self.exposure, frame_key, row);
+        let light = self.brightness(row);
         for column in (0..self.columns).take(columns) {
             let x = f32::from(column);
             let level = layers.iter_mut().fold(background.level(x), |behind, layer| layer.cover(x, behind));
-            take(noise.noisy(column, level));
+            take(noise.noisy(column, level * light));
         }
+    }
+
+    /// Of the light during the exposure of a row, relative to its mean.
+    fn brightness(&self, row: u16) -> f32 {
+        let middle_s = self.start_ns as f64 * 1e-9 + self.row_time_s(row);
+        self.flicker.map_or(1.0, |flicker| flicker.brightness(middle_s, f64::from(self.exposure.time_s)) as f32)
     }
 
     pub(super) const fn scene(&self) -> &'a Scene<OBJECTS> {

@@ -6,3 +6,8 @@ pub(crate) mod edges;
 pub(crate) mod frame;
 pub(crate) mod simulate;
 pub(crate) mod sensors;
+pub(crate) mod calibrate_flicker;
+pub(crate) mod calibrate_scale;
+pub(crate) mod plan;
+pub(crate) mod figure_charts;
+pub(crate) mod figures;

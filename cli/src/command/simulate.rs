@@ -79,7 +79,13 @@ fn simulator<'a>(file: &SetupFile, scene: &'a SceneFile, seed: u64) -> Result<Si
         shot_gain: scene.shot_gain,
     };
     let readout = file.setup.readout();
-    Simulator::new(&scene.scene, &camera, readout, &motion, exposure, seed).map_err(|error| by_its_key(&error))
+    let simulator = Simulator::new(&scene.scene, &camera, readout, &motion, exposure, seed);
+    let simulator = simulator.map_err(|error| by_its_key(&error))?;
+    scene.lamp.map_or(Ok(simulator.clone()), |lamp| {
+        simulator.with_flicker(lamp).map_err(|error| {
+            anyhow!("`lamp.{}` of the scene is {}, but must be {}", error.parameter, error.value, error.expected)
+        })
+    })
 }
 
 /// A parameter that the simulator refuses, under its key in the setup file.

@@ -27,19 +27,19 @@ struct Published {
 
 #[derive(Serialize)]
 pub(crate) struct Row {
-    case: u32,
-    readout_s: f64,
-    speed_m_s: f64,
-    rse_deg: f64,
-    gps_m: f64,
+    pub(crate) case: u32,
+    pub(crate) readout_s: f64,
+    pub(crate) speed_m_s: f64,
+    pub(crate) rse_deg: f64,
+    pub(crate) gps_m: f64,
     published_m: f64,
-    computed_m: f64,
+    pub(crate) computed_m: f64,
     follows: bool,
 }
 
 #[derive(Serialize)]
 pub(crate) struct Summary {
-    rows: Vec<Row>,
+    pub(crate) rows: Vec<Row>,
     rms_error_m: f64,
     published_rms_error_m: f64,
     kappa: f64,

@@ -13,6 +13,7 @@ pub(crate) mod setup;
 pub(crate) mod table_file;
 pub(crate) mod edge_file;
 pub(crate) mod frame_times;
+pub(crate) mod pass_file;
 pub(crate) mod trajectory_file;
 pub(crate) mod grey_levels;
 pub(crate) mod picture;

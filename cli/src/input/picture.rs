@@ -32,6 +32,14 @@ pub(crate) struct PictureFormat {
     pub(crate) bits: Option<u32>,
 }
 
+/// The size that the header of a picture states, for pictures of an unknown camera.
+pub(crate) fn stated_size(path: &Path) -> Result<Size> {
+    let name = || path.display().to_string();
+    let reader = ImageReader::open(path).with_context(name)?.with_guessed_format().with_context(name)?;
+    let (columns, rows) = reader.into_dimensions().map_err(damaged).with_context(name)?;
+    Ok(Size { columns, rows })
+}
+
 /// The picture in a file.
 pub(crate) fn load(path: &Path, format: &PictureFormat) -> Result<Picture> {
     let size = format.size;

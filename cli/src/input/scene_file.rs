@@ -3,7 +3,7 @@
 use anyhow::{Result, anyhow};
 use serde::Deserialize;
 use shutter_range::ParameterError;
-use shutter_range::sim::{Background, Bar, Exposure, Rail, Scene, Texture};
+use shutter_range::sim::{Background, Bar, Exposure, Flicker, Rail, Scene, Texture};
 
 use super::bounded_read::{Limit, MEBIBYTE};
 use super::bounds::Bounds;
@@ -24,6 +24,8 @@ pub(crate) struct SceneFile {
     pub(crate) read_noise: f32,
     /// Variance per grey level.
     pub(crate) shot_gain: f32,
+    /// Light that is not steady.
+    pub(crate) lamp: Option<Flicker>,
 }
 
 #[derive(Deserialize)]
@@ -36,6 +38,7 @@ struct SceneToml {
     rail: Vec<RailToml>,
     #[serde(default)]
     sensor: SensorToml,
+    lamp: Option<LampToml>,
 }
 
 #[derive(Deserialize)]
@@ -84,6 +87,20 @@ struct SensorToml {
     shot_gain: Option<f32>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LampToml {
+    frequency_hz: f32,
+    #[serde(default = "all_of_it")]
+    depth: f32,
+    duty: Option<f32>,
+}
+
+/// Of the light.
+fn all_of_it() -> f32 {
+    1.0
+}
+
 pub(crate) fn parse(text: &str) -> Result<SceneFile> {
     let file: SceneToml = toml_file::parse(text)?;
     let count = file.bar.len() + file.rail.len();
@@ -105,7 +122,8 @@ pub(crate) fn parse(text: &str) -> Result<SceneFile> {
     let (sensor, usual) = (file.sensor, Exposure::default());
     let read_noise = noise("read_noise", sensor.read_noise.unwrap_or(usual.read_noise), "grey levels, one sigma")?;
     let shot_gain = noise("shot_gain", sensor.shot_gain.unwrap_or(usual.shot_gain), "variance per grey level")?;
-    Ok(SceneFile { scene, read_noise, shot_gain })
+    let lamp = file.lamp.map(|LampToml { frequency_hz, depth, duty }| Flicker { frequency_hz, depth, duty });
+    Ok(SceneFile { scene, read_noise, shot_gain, lamp })
 }
 
 /// Checks the simulator's limits here, where the key and the file are known.

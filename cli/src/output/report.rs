@@ -127,7 +127,7 @@ fn by_name<S: Serializer>(status: &RangeStatus, serializer: S) -> Result<S::Ok, 
     serializer.serialize_str(status.name())
 }
 
-fn source(source: ErrorSource) -> &'static str {
+pub(crate) fn source(source: ErrorSource) -> &'static str {
     match source {
         ErrorSource::Noise => "noise",
         ErrorSource::Lean => "lean",

@@ -5,6 +5,8 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process;
 
+use anyhow::{Context, Result};
+
 /// Writes a file in place of the one at `path`, if there is one. On failure that one is left as it was.
 pub(crate) fn write(path: &Path, content: &[u8]) -> io::Result<()> {
     // A symbolic link stays: the file that it points to is replaced.
@@ -20,6 +22,11 @@ pub(crate) fn write(path: &Path, content: &[u8]) -> io::Result<()> {
         let _ = fs::remove_file(&partial);
     }
     written
+}
+
+/// The same, with an error that names the file.
+pub(crate) fn write_text(path: &Path, content: &str) -> Result<()> {
+    write(path, content.as_bytes()).with_context(|| format!("writing {}", path.display()))
 }
 
 /// Creates a file and waits until it is on the disk: some systems report only then that there is no space.

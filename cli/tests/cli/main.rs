@@ -1,6 +1,8 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
+mod calibration;
 mod edges;
+mod figures;
 mod frame_times;
 mod frames;
 mod full_disks;
@@ -9,6 +11,7 @@ mod hints;
 mod limits;
 mod overlays;
 mod painting;
+mod plans;
 mod posts;
 mod reference_lines;
 mod refusals;

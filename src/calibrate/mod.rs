@@ -1,0 +1,23 @@
+//! What a data sheet does not say of a camera, measured in a few minutes.
+//!
+//! | unknown | from | start at |
+//! | --- | --- | --- |
+//! | line time | a lamp that flickers at a known frequency, two frames or more | [`FlickerMeter`] |
+//! | line time × focal length | an edge passed at known distance and speed, a few times | [`fit_scale`] |
+//!
+//! Each result has its sigma, and where there is none it says why.
+
+mod tuning;
+mod phasor;
+mod spectrum;
+mod lamp;
+mod line_time;
+mod flicker;
+mod pass;
+mod scale;
+
+pub use flicker::FlickerMeter;
+pub use lamp::Lamp;
+pub use line_time::{FlickerRefusal, LineTime};
+pub use pass::Pass;
+pub use scale::{Scale, ScaleRefusal, fit_scale};
