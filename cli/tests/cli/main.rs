@@ -1,5 +1,6 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
+mod camera_files;
 mod edges;
 mod frame_times;
 mod frames;
@@ -7,6 +8,7 @@ mod full_disks;
 mod help;
 mod hints;
 mod limits;
+mod mounts;
 mod overlays;
 mod painting;
 mod posts;
