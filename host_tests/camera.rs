@@ -56,10 +56,10 @@ fn the_order_of_the_coefficients_is_that_of_opencv() {
     assert!((x - 50.0 - 100.0 * u).abs() < 1e-12 && (y - 50.0 - 100.0 * w).abs() < 1e-12);
 }
 
-/// A wide angle and a depth camera, k1 k2 p1 p2 k3 k4 k5 k6, with their focal length for 640 px.
+/// A fisheye lens and a depth camera, k1 k2 p1 p2 k3 k4 k5 k6, with their focal length for 640 px.
 const RATIONAL_LENSES: [([f64; 8], f64); 2] = [
-    ([0.08, -0.03, 0.0006, -0.0002, 0.004, 0.42, 0.05, 0.001], 400.0),
-    ([5.21, 3.02, 0.00004, -0.00003, 0.136, 5.54, 4.6, 0.68], 252.0),
+    ([0.7778, 0.0677, 0.0006, -0.0002, 0.0, 1.1111, 0.2381, 0.0], 400.0),
+    ([5.21, 3.02, 0.00004, -0.00003, 0.136, 5.54, 4.6, 0.68], 420.0),
 ];
 
 #[test]
