@@ -56,6 +56,59 @@ fn the_order_of_the_coefficients_is_that_of_opencv() {
     assert!((x - 50.0 - 100.0 * u).abs() < 1e-12 && (y - 50.0 - 100.0 * w).abs() < 1e-12);
 }
 
+/// A fisheye lens and a depth camera, k1 k2 p1 p2 k3 k4 k5 k6, with their focal length for 640 px.
+const RATIONAL_LENSES: [([f64; 8], f64); 2] = [
+    ([0.7778, 0.0677, 0.0006, -0.0002, 0.0, 1.1111, 0.2381, 0.0], 400.0),
+    ([5.21, 3.02, 0.00004, -0.00003, 0.136, 5.54, 4.6, 0.68], 420.0),
+];
+
+#[test]
+fn rational_lenses_are_inverted() {
+    for (lens, focal_px) in RATIONAL_LENSES {
+        fn worst<S: Scalar>(lens: [f64; 8], focal_px: f64) -> f64 {
+            let distortion = Distortion::from_opencv_rational(lens.map(S::from_f64));
+            let camera = Camera::new(Intrinsics::centred(640, 480, S::from_f64(focal_px)), distortion);
+            worst_round_trip_px(&camera.expect("a real lens"))
+        }
+        assert!(worst::<f64>(lens, focal_px) < 1e-9);
+        // Steps of 6e-5 px, somewhat enlarged where the model is steep.
+        assert!(worst::<f32>(lens, focal_px) < 5e-4);
+    }
+}
+
+/// The same point of OpenCV's rational model; and the divisor alone, against the inverse of a numerator.
+#[test]
+fn the_rational_model_divides_the_radial_factor() {
+    let k = [0.1, 0.01, 0.002, -0.003, 0.05, 0.2, -0.03, 0.004];
+    let intrinsics = Intrinsics::centred(101, 101, 100.0);
+    let camera = Camera::new(intrinsics, Distortion::from_opencv_rational(k)).expect("sound");
+    let r2: f64 = 0.3125;
+    let cubic = |a: f64, b: f64, c: f64| 1.0 + a * r2 + b * r2.powi(2) + c * r2.powi(3);
+    let radial = cubic(0.1, 0.01, 0.05) / cubic(0.2, -0.03, 0.004);
+    let u = 0.5 * radial + 2.0 * 0.002 * 0.5 * -0.25 - 0.003 * (r2 + 2.0 * 0.25);
+    let w = -0.25 * radial + 0.002 * (r2 + 2.0 * 0.0625) + 2.0 * -0.003 * 0.5 * -0.25;
+    let (x, y) = camera.pixel(0.5, -0.25);
+    assert!((x - 50.0 - 100.0 * u).abs() < 1e-12 && (y - 50.0 - 100.0 * w).abs() < 1e-12);
+    assert_eq!(camera.distortion().to_opencv(), k);
+    // How the ray moves along the row follows from the derivative of the quotient.
+    let ray = |column| camera.ray(column, 20.0).expect("in the image");
+    let (here, next) = (ray(10.0), ray(10.001));
+    assert!(((next.u - here.u) / 0.001 / here.du_dcolumn - 1.0).abs() < 1e-4);
+    assert!(((next.w - here.w) / 0.001 - here.dw_dcolumn).abs() < 1e-7);
+}
+
+/// A divisor that falls to zero within the image.
+#[test]
+fn a_pole_is_refused() {
+    let pole = Distortion { k4: -4.0, ..Distortion::NONE };
+    let error = Camera::new(Intrinsics::centred(640, 480, 300.0), pole).expect_err("a pole");
+    assert_eq!(error.parameter, "distortion");
+    for value in [f64::NAN, f64::INFINITY, 1001.0] {
+        let error = Camera::new(Intrinsics::centred(640, 480, 300.0), Distortion { k5: value, ..Distortion::NONE });
+        assert_eq!(error.expect_err("no coefficient").parameter, "k5");
+    }
+}
+
 #[test]
 fn the_ray_says_how_it_moves_along_the_row() {
     for lens in REAL_LENSES {
@@ -94,6 +147,15 @@ proptest! {
     #![proptest_config(seeded(256))]
 
     /// Far beyond real lenses: a camera that is accepted inverts its model all over the image, to the 10⁻⁴ px that it checks.
+    #[test]
+    fn what_is_accepted_of_the_rational_model_is_inverted(k1 in -0.6..0.6, k2 in -0.6..0.6, k3 in -0.3..0.3,
+        k4 in -0.6..0.6, k5 in -0.6..0.6, k6 in -0.3..0.3) {
+        let distortion = Distortion::from_opencv_rational([k1, k2, 0.0, 0.0, k3, k4, k5, k6]);
+        if let Ok(camera) = Camera::new(Intrinsics::centred(640, 480, 520.0), distortion) {
+            prop_assert!(worst_round_trip_px(&camera) < 1e-4);
+        }
+    }
+
     #[test]
     fn what_is_accepted_is_inverted(k1 in -0.6..0.6, k2 in -0.6..0.6, p1 in -0.02..0.02, p2 in -0.02..0.02, k3 in -0.3..0.3) {
         let distortion = Distortion::from_opencv([k1, k2, p1, p2, k3]);

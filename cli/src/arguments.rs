@@ -6,6 +6,8 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use crate::help;
+use crate::input::camera_file::CameraSource;
+use crate::input::setup::SetupSource;
 use crate::input::size::Size;
 
 /// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than far
@@ -24,11 +26,7 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// A setup file to start from: every key with its unit, its default and where to find its value
     #[command(after_help = help::SETUP)]
-    Setup {
-        /// Set the optional keys, too
-        #[arg(long)]
-        example: bool,
-    },
+    Setup(SetupFileArgs),
     /// The paper's 40 field measurements: published and computed distance against GPS
     Table2,
     /// Ranges from edge points
@@ -169,10 +167,50 @@ pub(crate) struct PlanArgs {
 }
 
 #[derive(Args)]
+pub(crate) struct SetupFileArgs {
+    /// Set the optional keys, too
+    #[arg(long)]
+    pub(crate) example: bool,
+    /// Fill in what the table of `shutter-range sensors` knows of a mode, such as ov7725-qvga
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sensor: Option<String>,
+    /// Clock that the board gives the sensor, where it is not that of the table
+    #[arg(long, value_name = "MHZ", requires = "sensor", value_parser = megahertz, allow_negative_numbers = true)]
+    pub(crate) clock_mhz: Option<f64>,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+}
+
+#[derive(Args)]
 pub(crate) struct SetupArgs {
     /// Camera, motion and attitude (TOML)
     #[arg(long = "setup", value_name = "FILE")]
     pub(crate) path: PathBuf,
+    #[command(flatten)]
+    pub(crate) camera: CameraArgs,
+}
+
+#[derive(Args)]
+pub(crate) struct CameraArgs {
+    /// A camera calibrated by another program, for keys of [camera]: ROS camera_info, OpenCV's YAML or XML, Kalibr's
+    /// camchain, a lens profile of Gyroflow
+    #[arg(id = "camera", long = "camera", value_name = "FILE")]
+    pub(crate) path: Option<PathBuf>,
+    /// Which camera of the file, such as cam1
+    #[arg(long = "camera-name", value_name = "NAME", requires = "camera")]
+    pub(crate) name: Option<String>,
+}
+
+impl CameraArgs {
+    pub(crate) fn source(&self) -> Option<CameraSource<'_>> {
+        self.path.as_deref().map(|path| CameraSource { path, name: self.name.as_deref() })
+    }
+}
+
+impl SetupArgs {
+    pub(crate) fn source(&self) -> SetupSource<'_> {
+        SetupSource { path: &self.path, camera: self.camera.source(), has_trajectory: false }
+    }
 }
 
 /// How the camera moves from frame to frame.
@@ -187,7 +225,7 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "frame_interval_s")]
     pub(crate) frame_times: Option<PathBuf>,
     /// Measured motion instead of the setup's velocity and rotation rate: CSV with the header time_s,vx,vy,vz,wx,wy,wz
-    /// and optionally gx,gy,gz
+    /// and optionally gx,gy,gz, of which columns may be missing
     #[arg(long, value_name = "FILE")]
     pub(crate) trajectory: Option<PathBuf>,
     /// Also tell the lines of a sequence that too few frames agree on so far: status `tentative`
@@ -273,6 +311,11 @@ fn png_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
     if is_png { Ok(path) } else { Err("it must end in .png".to_string()) }
+}
+
+fn megahertz(text: &str) -> Result<f64, String> {
+    let megahertz = text.parse().ok().filter(|megahertz| (1.0..=100.0).contains(megahertz));
+    megahertz.ok_or_else(|| "it must be a number from 1 to 100 (MHz)".to_string())
 }
 
 fn interval(text: &str) -> Result<f64, String> {

@@ -29,14 +29,16 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Result<ExitCode> {
     let colours = terminal::colours();
     let text = match &cli.command {
-        Command::Setup { example } if cli.json => terminal::json(&setup::document(*example))?,
-        Command::Setup { example } => setup::text(*example),
+        Command::Setup(arguments) => {
+            let document = setup::document(arguments)?;
+            if cli.json { terminal::json(&document)? } else { document.setup }
+        }
         Command::Table2 => {
             let summary = table2::summary()?;
             if cli.json { terminal::json(&summary)? } else { table2::text(&summary, colours) }
         }
         Command::Edges { file, setup, motion } => {
-            let setup = motion.load_setup(&setup.path)?;
+            let setup = motion.load_setup(setup)?;
             let document = edges::ranges(file, &setup, motion)?;
             if cli.json { terminal::json(&document)? } else { range_table::text(&document, colours) }
         }
@@ -67,7 +69,7 @@ fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     let overlays = overlays.unwrap_or_else(|message| arguments::refuse(&message));
     let checked = arguments.motion.check_frames(arguments.files.len());
     checked.unwrap_or_else(|message| arguments::refuse(&message));
-    let setup = arguments.motion.load_setup(&arguments.setup.path)?;
+    let setup = arguments.motion.load_setup(&arguments.setup)?;
     let frame::Outcome { document, failures } = frame::ranges(arguments, &overlays, &setup)?;
     // Without any frame there is nothing to print.
     if !document.frames.is_empty() {

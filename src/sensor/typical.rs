@@ -56,7 +56,14 @@ impl TypicalMode {
     ///
     /// *Errors*: none, for the modes of this crate; a test says so.
     pub fn mode(&self) -> Result<Mode, SensorError<Infallible>> {
-        self.chip.mode(&mut Values(self.values), self.clock_hz)
+        self.mode_at(self.clock_hz)
+    }
+
+    /// The timing of the same registers on a board with another clock.
+    ///
+    /// *Errors*: a clock outside 1 to 100 MHz, or one that makes a line last longer than a frame may.
+    pub fn mode_at(&self, clock_hz: u32) -> Result<Mode, SensorError<Infallible>> {
+        self.chip.mode(&mut Values(self.values), clock_hz)
     }
 }
 

@@ -106,7 +106,7 @@ impl<S: Scalar> Camera<S> {
                 return Err(ParameterError::new(name, centre.to_f64(), expected));
             }
         }
-        for (name, value) in ["k1", "k2", "p1", "p2", "k3"].into_iter().zip(distortion.to_opencv()) {
+        for (name, value) in ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"].into_iter().zip(distortion.to_opencv()) {
             if !(value.is_finite() && value.abs() <= S::from_i32(1000)) {
                 return Err(ParameterError::new(name, value.to_f64(), "finite, at most 1000 in size"));
             }

@@ -1,11 +1,13 @@
-//! [`Distortion`]: the lens model of Brown and Conrady, in the order of OpenCV.
+//! [`Distortion`]: the lens model of Brown and Conrady, and the rational one that extends it, in the order of OpenCV.
 
 use crate::scalar::Scalar;
 
-/// Radial `k1`, `k2`, `k3` and tangential `p1`, `p2`. All zero, the default, is a lens without distortion.
+/// Radial `k1` to `k3`, in the rational model divided by `k4` to `k6`, and tangential `p1`, `p2`. All zero, the default, is
+/// a lens without distortion.
 ///
 /// A point at `(u, w)` with r² = u² + w² is recorded at
-/// `u (1 + k1 r² + k2 r⁴ + k3 r⁶) + 2 p1 u w + p2 (r² + 2u²)`, and likewise downwards with `p1` and `p2` exchanged.
+/// `u (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) + 2 p1 u w + p2 (r² + 2u²)`, and likewise downwards with
+/// `p1` and `p2` exchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -20,6 +22,12 @@ pub struct Distortion<S> {
     pub p2: S,
     /// Radial, sixth order.
     pub k3: S,
+    /// Radial divisor, second order.
+    pub k4: S,
+    /// Radial divisor, fourth order.
+    pub k5: S,
+    /// Radial divisor, sixth order.
+    pub k6: S,
 }
 
 /// The image of a point under the lens model or its inverse, with the Jacobian of the mapping there.
@@ -47,19 +55,25 @@ impl<S: Scalar> Mapped<S> {
 
 impl<S: Scalar> Distortion<S> {
     /// No distortion.
-    pub const NONE: Self = Self { k1: S::ZERO, k2: S::ZERO, p1: S::ZERO, p2: S::ZERO, k3: S::ZERO };
+    pub const NONE: Self = Self::from_opencv([S::ZERO; 5]);
 
-    /// From `[k1, k2, p1, p2, k3]`, OpenCV's order.
+    /// From `[k1, k2, p1, p2, k3]`, OpenCV's order: ROS calls it `plumb_bob`.
     #[must_use]
-    pub const fn from_opencv(coefficients: [S; 5]) -> Self {
-        let [k1, k2, p1, p2, k3] = coefficients;
-        Self { k1, k2, p1, p2, k3 }
+    pub const fn from_opencv([k1, k2, p1, p2, k3]: [S; 5]) -> Self {
+        Self::from_opencv_rational([k1, k2, p1, p2, k3, S::ZERO, S::ZERO, S::ZERO])
     }
 
-    /// `[k1, k2, p1, p2, k3]`.
+    /// From `[k1, k2, p1, p2, k3, k4, k5, k6]`, OpenCV's order: ROS calls it `rational_polynomial`.
     #[must_use]
-    pub const fn to_opencv(&self) -> [S; 5] {
-        [self.k1, self.k2, self.p1, self.p2, self.k3]
+    pub const fn from_opencv_rational([k1, k2, p1, p2, k3, k4, k5, k6]: [S; 8]) -> Self {
+        Self { k1, k2, p1, p2, k3, k4, k5, k6 }
+    }
+
+    /// `[k1, k2, p1, p2, k3, k4, k5, k6]`.
+    #[must_use]
+    pub const fn to_opencv(&self) -> [S; 8] {
+        let Self { k1, k2, p1, p2, k3, k4, k5, k6 } = *self;
+        [k1, k2, p1, p2, k3, k4, k5, k6]
     }
 
     pub(crate) fn is_none(&self) -> bool {
@@ -70,9 +84,8 @@ impl<S: Scalar> Distortion<S> {
     pub(crate) fn distort(&self, [u, w]: [S; 2]) -> Mapped<S> {
         let two = S::ONE + S::ONE;
         let r2 = u * u + w * w;
-        let radial = S::ONE + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3));
-        // Half the derivative of `radial` by u is u times this.
-        let slope = self.k1 + r2 * (two * self.k2 + (two + S::ONE) * r2 * self.k3);
+        // Half the derivative of `radial` by u is u times its slope.
+        let [radial, slope] = self.radial(r2);
         let tangential_u = two * self.p1 * u * w + self.p2 * (r2 + two * u * u);
         let tangential_w = two * self.p2 * u * w + self.p1 * (r2 + two * w * w);
         let six = S::from_i32(6);
@@ -83,6 +96,18 @@ impl<S: Scalar> Distortion<S> {
             point: [u * radial + tangential_u, w * radial + tangential_w],
             jacobian: [[along_u, cross], [cross, along_w]],
         }
+    }
+
+    /// The radial factor at r², and its derivative by r².
+    fn radial(&self, r2: S) -> [S; 2] {
+        let [numerator, rise] = cubic([self.k1, self.k2, self.k3], r2);
+        let divisor = [self.k4, self.k5, self.k6];
+        if divisor == [S::ZERO; 3] {
+            return [numerator, rise];
+        }
+        let [denominator, fall] = cubic(divisor, r2);
+        let radial = numerator / denominator;
+        [radial, (rise - radial * fall) / denominator]
     }
 
     /// From the recorded to the ideal point, by Newton's method, which starts at the recorded one. The Jacobian is that of
@@ -116,6 +141,12 @@ impl<S: Scalar> Distortion<S> {
         let converged = size(residual) <= S::EPSILON * S::from_i32(32);
         mapped.inverse_jacobian().filter(|_| converged).map(|jacobian| Mapped { point, jacobian })
     }
+}
+
+/// `1 + a x + b x² + c x³` and its derivative.
+fn cubic<S: Scalar>([a, b, c]: [S; 3], x: S) -> [S; 2] {
+    let two = S::ONE + S::ONE;
+    [S::ONE + x * (a + x * (b + x * c)), a + x * (two * b + (two + S::ONE) * x * c)]
 }
 
 fn difference<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {

@@ -20,7 +20,12 @@ use crate::output::truth::{TruthDocument, TruthFrame};
 
 /// Refuses a simulation that would replace a file that it reads.
 pub(crate) fn check_inputs(arguments: &SimulateArgs) -> Result<(), String> {
-    let inputs = [("--setup", Some(&arguments.setup.path)), ("--scene", arguments.scene.as_ref())];
+    let setup = &arguments.setup;
+    let inputs = [
+        ("--setup", Some(&setup.path)),
+        ("--camera", setup.camera.path.as_ref()),
+        ("--scene", arguments.scene.as_ref()),
+    ];
     // What cannot be listed holds nothing to replace.
     let replaced = simulation_folder::files(&arguments.out).unwrap_or_default();
     for file in replaced {
@@ -35,7 +40,7 @@ pub(crate) fn check_inputs(arguments: &SimulateArgs) -> Result<(), String> {
 
 pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
     let setup_path = &arguments.setup.path;
-    let file = setup::load(setup_path)?;
+    let file = setup::load(arguments.setup.source())?;
     let several = arguments.frame_interval_s.filter(|interval_s| *interval_s > 0.0 && arguments.frames > 1);
     file.check_exposure(several)?;
     let (scene_text, scene_name) = match &arguments.scene {

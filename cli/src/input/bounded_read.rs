@@ -45,6 +45,9 @@ fn read_from(input: impl Read, name: &str, limit: &Limit<'_>) -> Result<Vec<u8>>
 }
 
 fn text(bytes: Vec<u8>) -> Result<String> {
+    if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
+        bail!("the file is UTF-16 text, but must be UTF-8: save it as UTF-8");
+    }
     let text = String::from_utf8(bytes);
     text.map_err(|error| {
         let offset = error.utf8_error().valid_up_to();

@@ -40,8 +40,10 @@ pub(crate) fn lens(camera: &Section<'_>) -> Result<Camera<f64>> {
         ..centred
     };
     let coefficient = Bounds::number(-1000.0, 1000.0, "coefficient of distortion");
-    let coefficients = camera.numbers("distortion", coefficient, "k1, k2, p1, p2, k3 (OpenCV's order)")?;
-    let distortion = coefficients.map_or(Distortion::NONE, Distortion::from_opencv);
+    let order = "4, 5 or 8 numbers: k1, k2, p1, p2, k3 (OpenCV's order), or k1, k2, p1, p2, k3, k4, k5, k6";
+    let coefficients = camera.list("distortion", &[4, 5, 8], coefficient, order)?.unwrap_or_default();
+    let distortion =
+        Distortion::from_opencv_rational(std::array::from_fn(|index| coefficients.get(index).copied().unwrap_or(0.0)));
     Camera::new(intrinsics, distortion).map_err(by_its_key)
 }
 

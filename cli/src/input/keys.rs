@@ -6,13 +6,14 @@ use toml::{Table, Value};
 use shutter_range::ParameterError;
 
 use super::bounds::Bounds;
+use super::camera_formats;
 use super::nearest::{list, nearest, nearest_by, similarity};
 
 /// The only key outside the sections: keys whose value lies outside the usual range and is meant.
 pub(crate) const UNUSUAL: &str = "unusual";
 
 /// All sections and their keys.
-pub(crate) const KEYS: [(&str, &[&str]); 3] = [
+pub(crate) const KEYS: [(&str, &[&str]); 4] = [
     (
         "camera",
         &[
@@ -44,6 +45,7 @@ pub(crate) const KEYS: [(&str, &[&str]); 3] = [
     ),
     ("motion", &["velocity_m_s", "rate_rad_s", "sigma_speed", "sigma_rate_rad_s", "sigma_time_s"]),
     ("attitude", &["gravity", "sigma_tilt_deg", "sigma_gravity_deg"]),
+    ("mount", &["yaw_deg", "pitch_deg", "roll_deg", "position_m"]),
 ];
 
 /// Refuses a name that is no section or key, with the nearest valid one, or with the list of valid ones where none is near.
@@ -62,7 +64,17 @@ pub(crate) fn refuse_unknown(file: &Table) -> Result<()> {
     Ok(())
 }
 
+/// A name that camera files of other programs have.
+fn of_camera_file(what: &str) -> Error {
+    anyhow!(
+        "unknown {what}: it is a name of camera files of ROS, OpenCV, Kalibr or Gyroflow; give such a file by --camera FILE"
+    )
+}
+
 fn unknown_outside(name: &str, value: &Value) -> Error {
+    if camera_formats::is_name_of_camera_file(name) {
+        return of_camera_file(&if value.is_table() { format!("section [{name}]") } else { format!("key `{name}`") });
+    }
     let sections = KEYS.map(|(section, _)| section);
     let (what, nearest) = if value.is_table() {
         let section = nearest(name, &sections);
@@ -91,6 +103,9 @@ pub(crate) fn by_its_key(error: ParameterError) -> Error {
 }
 
 fn unknown_key(section: &str, key: &str, keys: &[&str]) -> Error {
+    if camera_formats::is_name_of_camera_file(key) {
+        return of_camera_file(&format!("key `{section}.{key}`"));
+    }
     match nearest_key(section, key) {
         Some(nearest) => anyhow!("unknown key `{section}.{key}`; the nearest is {nearest}"),
         None => anyhow!("unknown key `{section}.{key}`; the keys of [{section}] are {}", list(keys)),
@@ -114,6 +129,10 @@ pub(crate) struct Section<'a> {
 impl<'a> Section<'a> {
     pub(crate) fn of(file: &'a Table, name: &'static str) -> Self {
         Self { name, table: file.get(name).and_then(Value::as_table) }
+    }
+
+    pub(crate) fn is_there(&self) -> bool {
+        self.table.is_some()
     }
 
     pub(crate) fn has(&self, key: &str) -> bool {
@@ -154,16 +173,20 @@ impl<'a> Section<'a> {
 
     /// Exactly `N` numbers, which `what` describes.
     pub(crate) fn numbers<const N: usize>(&self, key: &str, bounds: Bounds, what: &str) -> Result<Option<[f64; N]>> {
+        let list = self.list(key, &[N], bounds, &format!("{N} numbers: {what}"))?;
+        Ok(list.and_then(|list| <[f64; N]>::try_from(list).ok()))
+    }
+
+    /// As many numbers as one of the lengths says, which `what` describes.
+    pub(crate) fn list(&self, key: &str, lengths: &[usize], bounds: Bounds, what: &str) -> Result<Option<Vec<f64>>> {
         let Some(value) = self.value(key) else { return Ok(None) };
-        let elements = value.as_array().filter(|elements| elements.len() == N);
-        let elements = elements.ok_or_else(|| self.refuse(key, format_args!("{N} numbers: {what}")))?;
-        let mut numbers = [0.0; N];
-        for (index, (number_at, element)) in numbers.iter_mut().zip(elements).enumerate() {
-            *number_at = number(element)
-                .filter(|number| bounds.contain(*number))
-                .ok_or_else(|| anyhow!("`{}.{key}[{index}]` is {element}, but must be {bounds}", self.name))?;
-        }
-        Ok(Some(numbers))
+        let elements = value.as_array().filter(|elements| lengths.contains(&elements.len()));
+        let elements = elements.ok_or_else(|| self.refuse(key, what))?;
+        let numbers = elements.iter().enumerate().map(|(index, element)| {
+            let number = number(element).filter(|number| bounds.contain(*number));
+            number.ok_or_else(|| anyhow!("`{}.{key}[{index}]` is {element}, but must be {bounds}", self.name))
+        });
+        numbers.collect::<Result<_>>().map(Some)
     }
 
     /// A text, of which `expected` says what it must be.

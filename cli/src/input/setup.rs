@@ -4,11 +4,14 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use shutter_range::{Motion, MotionBlur, Setup, Twist, Uncertainty};
+use toml::Table;
 
 use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
+use super::camera_file::{self, CameraFile, CameraSource};
 use super::camera_keys::{self, Optics};
 use super::keys::{Section, by_its_key, refuse_unknown};
+use super::mount::Mount;
 use super::size::Size;
 use super::toml_file;
 use super::usual::{self, Usual};
@@ -19,10 +22,13 @@ const LIMIT: Limit<'_> = Limit { bytes: MEBIBYTE, rule: "a setup must have at mo
 pub(crate) struct SetupFile {
     /// As it was given.
     name: String,
-    /// The file itself.
+    /// The file itself, with what a camera file adds.
     pub(crate) text: String,
     pub(crate) setup: Setup<f64>,
+    /// Of the camera, in its axes.
     pub(crate) motion: Twist<f64>,
+    /// Where motion and attitude were told as those of a robot.
+    pub(crate) mount: Option<Mount>,
     /// Noise of edge points that come without their own.
     pub(crate) sigma_column_px: f64,
     pub(crate) optics: Optics,
@@ -60,27 +66,39 @@ pub(crate) const SPEED: Bounds = Bounds::number(-10_000.0, 10_000.0, "m/s");
 pub(crate) const RATE: Bounds = Bounds::number(-1_000.0, 1_000.0, "rad/s");
 pub(crate) const DIRECTION: Bounds = Bounds::number(-1000.0, 1000.0, "only its direction counts");
 
-pub(crate) fn load(path: &Path) -> Result<SetupFile> {
-    load_with(path, None)
+/// Where the parts of a setup are.
+#[derive(Clone, Copy)]
+pub(crate) struct SetupSource<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) camera: Option<CameraSource<'a>>,
+    /// A trajectory replaces the velocity, which may then be left out.
+    pub(crate) has_trajectory: bool,
 }
 
-/// The same, but the file may leave out the velocity: a trajectory replaces it.
-pub(crate) fn load_without_velocity(path: &Path) -> Result<SetupFile> {
-    load_with(path, Some([0.0; 3]))
+pub(crate) fn load(source: SetupSource<'_>) -> Result<SetupFile> {
+    let camera = source.camera.map(camera_file::load).transpose()?;
+    let text = bounded_read::read_text(source.path, &LIMIT)?;
+    let default_velocity_m_s = source.has_trajectory.then_some([0.0; 3]);
+    let name = source.path.display().to_string();
+    parse(name.clone(), text, camera.as_ref(), default_velocity_m_s).context(name)
 }
 
-fn load_with(path: &Path, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
-    let text = bounded_read::read_text(path, &LIMIT)?;
-    let name = path.display().to_string();
-    parse(name.clone(), text, default_velocity_m_s).context(name)
-}
-
-fn parse(name: String, text: String, default_velocity_m_s: Option<[f64; 3]>) -> Result<SetupFile> {
-    let file = toml_file::parse(&text)?;
+fn parse(
+    name: String,
+    mut text: String,
+    camera: Option<&CameraFile>,
+    default_velocity_m_s: Option<[f64; 3]>,
+) -> Result<SetupFile> {
+    let mut file: Table = toml_file::parse(&text)?;
     refuse_unknown(&file)?;
+    if let Some(camera) = camera {
+        camera.add_to(&mut file)?;
+        text = toml::to_string(&file)?;
+    }
     let camera = Section::of(&file, "camera");
     let motion = Section::of(&file, "motion");
     let attitude = Section::of(&file, "attitude");
+    let mount = Mount::of(&Section::of(&file, "mount"))?;
     let optics = camera_keys::optics(&camera)?;
     let setup = Setup::new(camera_keys::lens(&camera)?, camera_keys::readout(&camera)?)?;
     let setup = setup.with_uncertainty(uncertainty(&camera, &motion, &attitude)?).map_err(by_its_key)?;
@@ -88,7 +106,8 @@ fn parse(name: String, text: String, default_velocity_m_s: Option<[f64; 3]>) -> 
         name,
         text,
         setup: with_optics(setup, &optics)?.with_response(camera_keys::response(&camera)?),
-        motion: twist(&motion, &attitude, default_velocity_m_s)?,
+        motion: twist(&motion, &attitude, mount.as_ref(), default_velocity_m_s)?,
+        mount,
         sigma_column_px: camera.number("sigma_column_px", SIGMA_PX)?.unwrap_or(0.1),
         optics,
         bits: camera_keys::bits(&camera)?,
@@ -152,12 +171,29 @@ fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_
         .with_sigma_time_s(sigma_time_s))
 }
 
-fn twist(motion: &Section<'_>, attitude: &Section<'_>, default_velocity_m_s: Option<[f64; 3]>) -> Result<Twist<f64>> {
-    let velocity = "x right, y down, z forward (m/s)";
+/// In the axes of the camera.
+fn twist(
+    motion: &Section<'_>,
+    attitude: &Section<'_>,
+    mount: Option<&Mount>,
+    default_velocity_m_s: Option<[f64; 3]>,
+) -> Result<Twist<f64>> {
+    let (velocity, down) = match mount {
+        Some(_) => ("x forward, y left, z up (m/s)", [0.0, 0.0, -1.0]),
+        None => ("x right, y down, z forward (m/s)", [0.0, 1.0, 0.0]),
+    };
     let velocity_m_s = motion.numbers("velocity_m_s", SPEED, velocity)?.or(default_velocity_m_s);
     let velocity_m_s =
         velocity_m_s.ok_or_else(|| motion.refuse("velocity_m_s", format_args!("3 numbers: {velocity}")))?;
     let rate_rad_s = motion.numbers("rate_rad_s", RATE, "about x, y, z (rad/s)")?.unwrap_or([0.0; 3]);
-    let gravity = attitude.numbers("gravity", DIRECTION, "the direction of down in x, y, z")?;
-    Twist::new(velocity_m_s, rate_rad_s, gravity.unwrap_or([0.0, 1.0, 0.0])).map_err(by_its_key)
+    let gravity = attitude.numbers("gravity", DIRECTION, "the direction of down in x, y, z")?.unwrap_or(down);
+    let twist = match mount {
+        Some(mount) => Twist::new(
+            mount.velocity_in_camera(velocity_m_s, rate_rad_s),
+            mount.in_camera(rate_rad_s),
+            mount.in_camera(gravity),
+        ),
+        None => Twist::new(velocity_m_s, rate_rad_s, gravity),
+    };
+    twist.map_err(by_its_key)
 }

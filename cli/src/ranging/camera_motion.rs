@@ -8,10 +8,11 @@ use shutter_range::{
 };
 
 use super::frame_starts::FrameStarts;
-use crate::arguments::MotionArgs;
+use crate::arguments::{MotionArgs, SetupArgs};
 use crate::input::frame_times::FrameName;
-use crate::input::setup::{self, SetupFile};
-use crate::input::trajectory_file::{self, Sample};
+use crate::input::repeated_stamps::Sample;
+use crate::input::setup::{self, SetupFile, SetupSource};
+use crate::input::trajectory_file;
 
 /// A trajectory has at most this many samples from the start of one frame to that of the next.
 const SAMPLES: usize = 4096;
@@ -47,8 +48,8 @@ pub(crate) enum MotionInFrame<'a> {
 
 impl MotionArgs {
     /// With a trajectory, the setup may leave out the velocity.
-    pub(crate) fn load_setup(&self, path: &Path) -> Result<SetupFile> {
-        if self.trajectory.is_some() { setup::load_without_velocity(path) } else { setup::load(path) }
+    pub(crate) fn load_setup(&self, setup: &SetupArgs) -> Result<SetupFile> {
+        setup::load(SetupSource { has_trajectory: self.trajectory.is_some(), ..setup.source() })
     }
 
     /// Refuses a number of frames that needs further arguments.
@@ -120,7 +121,7 @@ fn in_axes_of(pose: &Pose<f64>, [x, y, z]: [f64; 3]) -> [f64; 3] {
 
 impl Measured {
     fn load(path: &Path, file: &SetupFile) -> Result<Box<Self>> {
-        let mut samples = trajectory_file::load(path, &file.usual)?;
+        let mut samples = trajectory_file::load(path, file)?;
         let max_gap_ns = TRUSTED_INTERVALS * usual_interval_ns(&samples);
         if samples.iter().all(|sample| sample.gravity.is_none()) {
             propagate_gravity(&mut samples, file.motion.gravity(), max_gap_ns)?;
@@ -165,12 +166,20 @@ fn push<const N: usize>(trajectory: &mut Trajectory<f64, N>, sample: &Sample) ->
     Ok(())
 }
 
-/// Median time from sample to sample.
+/// Time from sample to sample: the median over time, so that samples which come in bursts have the interval of the bursts.
+/// One gap alone is none, however long.
 fn usual_interval_ns(samples: &[Sample]) -> u64 {
+    const FEWEST_BURSTS: usize = 3;
     let mut intervals: Vec<u64> =
         samples.iter().zip(samples.iter().skip(1)).map(|(a, b)| a.time_ns.abs_diff(b.time_ns)).collect();
     intervals.sort_unstable();
-    intervals.get(intervals.len() / 2).copied().unwrap_or(0)
+    let (half_ns, mut sum_ns) = (intervals.iter().sum::<u64>() / 2, 0);
+    let by_time = intervals.iter().position(|interval_ns| {
+        sum_ns += interval_ns;
+        sum_ns >= half_ns
+    });
+    let by_time = by_time.filter(|index| intervals.len() - index >= FEWEST_BURSTS);
+    intervals.get(by_time.unwrap_or(intervals.len() / 2)).copied().unwrap_or(0)
 }
 
 /// Gives the samples gravity: from the start of the first frame, by the rotation of the camera, up to the first gap.

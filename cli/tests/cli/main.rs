@@ -1,6 +1,7 @@
 //! The tool as its users meet it: arguments and files in, text, JSON and exit codes out.
 
 mod calibration;
+mod camera_files;
 mod edges;
 mod figures;
 mod frame_times;
@@ -9,6 +10,7 @@ mod full_disks;
 mod help;
 mod hints;
 mod limits;
+mod mounts;
 mod overlays;
 mod painting;
 mod plans;

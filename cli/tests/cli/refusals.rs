@@ -71,12 +71,12 @@ fn unknown_keys_of_a_setup() {
 #[test]
 fn keys_that_are_like_none_are_refused_with_the_list() {
     let attitude = "the keys of [attitude] are `gravity`, `sigma_tilt_deg` and `sigma_gravity_deg`";
-    for key in ["pitch", "down", "x", "тангаж"] {
+    for key in ["tip", "down", "x", "тангаж"] {
         let setup = SETUP.replace("[attitude]", &format!("[attitude]\n\"{key}\" = 1"));
         let message = format!("setup.toml: unknown key `attitude.{key}`; {attitude}");
         assert_fails(&Folder::of(&setup, POINTS), &message);
     }
-    let sections = "the sections are [camera], [motion], [attitude]";
+    let sections = "the sections are [camera], [motion], [attitude], [mount]";
     refuse_setup("[attitude]", "[lens]", &format!("unknown section [lens]; {sections}"));
     refuse_setup("[camera]", "gain = 1\n[camera]", &format!("unknown key `gain` outside the sections; {sections}"));
     let camera = SETUP.replace("fx = 600", "fx = 600\nvendor = \"x\"");
@@ -228,7 +228,8 @@ fn vectors_of_a_setup() {
     refuse_setup(
         "fx = 600",
         "fx = 600\ndistortion = [0.1, 0.2]",
-        "`camera.distortion` is [0.1, 0.2], but must be 5 numbers: k1, k2, p1, p2, k3 (OpenCV's order)",
+        "`camera.distortion` is [0.1, 0.2], but must be 4, 5 or 8 numbers: k1, k2, p1, p2, k3 (OpenCV's order), \
+         or k1, k2, p1, p2, k3, k4, k5, k6",
     );
     refuse_setup(
         "fx = 600",

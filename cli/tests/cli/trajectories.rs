@@ -183,6 +183,47 @@ fn gravity_is_carried_on_from_the_first_frame() {
     assert_ne!(range(&lean(-1.0))["status"], "ok");
 }
 
+fn first_range(drive: &str) -> Value {
+    let text = format!("row,column\n{}", one_line(2.0, ""));
+    edges(SETUP, &text, drive, &[]).json()["frames"][0]["ranges"][0].clone()
+}
+
+#[test]
+fn columns_that_are_missing_are_zero() {
+    let whole = first_range(&format!("{HEADER},gx,gy,gz\n{}", constant(30, "-1.5,0,0,0,0.1,0,0,1,0")));
+    assert_eq!(first_range(&format!("time_s,vx,wy,gy\n{}", constant(30, "-1.5,0.1,1"))), whole);
+    assert_eq!(first_range(&format!("time_s,wy,vx\n{}", constant(30, "0.1,-1.5"))), whole);
+}
+
+/// Samples of a speed that rises from 1 to 2 m/s, as different clocks and loggers stamp them.
+#[test]
+fn stamps_are_taken_as_they_are_meant() {
+    let speed = |time_s: f64| -(1.0 + time_s);
+    let drive = |stamps: &dyn Fn(u32) -> f64| {
+        let line = |k: u32| format!("{:.4},{:.6}\n", stamps(k), speed(f64::from(k) * 0.0025 - 0.1));
+        format!("time_s,vx\n{}", (0..120).map(line).collect::<String>())
+    };
+    let depth = |drive: &str| number(&first_range(drive), "depth_m");
+    let exact = depth(&drive(&|k| f64::from(k) * 0.0025 - 0.1));
+    // A clock of 10 ms ticks four times as slowly as the samples come.
+    assert_near(depth(&drive(&|k| f64::from(k / 4) * 0.01 - 0.1)), exact, 1e-6);
+    // The logger wrote each line twice.
+    let twice: String =
+        drive(&|k| f64::from(k) * 0.0025 - 0.1).lines().skip(1).map(|line| format!("{line}\n{line}\n")).collect();
+    assert_near(depth(&format!("time_s,vx\n{twice}")), exact, 1e-6);
+    // Bursts of four samples within 0.3 ms, every 20 ms.
+    let bursts: String = (0..60)
+        .map(|k| {
+            let time_s = f64::from(k / 4) * 0.02 + f64::from(k % 4) * 1e-4 - 0.1;
+            format!("{time_s:.5},{:.6}\n", speed(time_s))
+        })
+        .collect();
+    assert_near(depth(&format!("time_s,vx\n{bursts}")), exact, 1e-4);
+    // Two values of one instant are a jump: before the frame the one, from then on the other.
+    let jump = "time_s,vx\n-0.02,-9\n-0.01,-9\n-0.001,-9\n-0.001,-1.5\n0.01,-1.5\n0.02,-1.5\n0.03,-1.5\n0.04,-1.5\n";
+    assert_near(depth(jump), number(&first_range("time_s,vx\n-0.1,-1.5\n0.1,-1.5\n"), "depth_m"), 1e-6);
+}
+
 #[track_caller]
 fn refuse(trajectory: &str, message: &str) {
     let text = format!("row,column\n{}", one_line(2.0, ""));
@@ -194,12 +235,11 @@ fn refuse(trajectory: &str, message: &str) {
 #[test]
 fn trajectories_that_are_refused() {
     let file = |message: &str| format!("drive.csv: {message}");
-    refuse("", &file(&format!("the file is empty: it must begin with a header such as `{HEADER}`")));
-    let names = "`time_s`, `vx`, `vy`, `vz`, `wx`, `wy` and `wz`";
-    let missing = format!("line 1: column `wz` is missing: the header must name {names}");
-    refuse("time_s,vx,vy,vz,wx,wy\n", &file(&missing));
+    refuse("", &file(&format!("the file is empty: it must begin with a header such as `time_s`")));
+    refuse("vx,vy,vz\n", &file("line 1: column `time_s` is missing: the header must name `time_s`"));
+    let names = "`vx`, `vy`, `vz`, `wx`, `wy` and `wz`";
+    refuse("time_s,gy\n", &file(&format!("the header names no motion: it must name some of {names}")));
     refuse("time,vx,vy,vz,wx,wy,wz\n", &file("line 1: unknown column `time`; the nearest is `time_s`"));
-    refuse(&format!("{HEADER},gy\n"), &file("the header must name all of `gx`, `gy` and `gz`, or none"));
     let body = |lines: &str| format!("{HEADER}\n{lines}");
     refuse(&body("0,1,0,0,0,0,0\n"), &file("1 samples, but there must be at least 2"));
     let fast = "line 3: `vy` is `1e9`, but must be a number from -10000 to 10000 (m/s)";
@@ -207,8 +247,9 @@ fn trajectories_that_are_refused() {
     let spinning = "line 2: `wx` is `nan`, but must be a number from -1000 to 1000 (rad/s)";
     refuse(&body("0,1,0,0,nan,0,0\n"), &file(spinning));
     refuse(&body("0,1,0,0,,0,0\n"), &file("line 2: `wx` is empty, but must be a number from -1000 to 1000 (rad/s)"));
-    let order = "line 4: `time_s` is `0.5`, but must be above 0.5, that of the line before";
-    refuse(&body("0,1,0,0,0,0,0\n0.5,1,0,0,0,0,0\n0.5,1,0,0,0,0,0\n"), &file(order));
+    let order = "line 4: `time_s` is `0.4`, but must be at least 0.5, that of the line before";
+    refuse(&body("0,1,0,0,0,0,0\n0.5,1,0,0,0,0,0\n0.4,1,0,0,0,0,0\n"), &file(order));
+    refuse(&body("0.5,1,0,0,0,0,0\n0.5,1,0,0,0,0,0\n"), &file("1 samples, but there must be at least 2"));
     let epoch = "line 2: `time_s` is `1.7e9`, but must be a number from -1000000 to 1000000 (seconds since the start of \
                  the first frame)";
     refuse(&body("1.7e9,1,0,0,0,0,0\n"), &file(epoch));
