@@ -15,6 +15,7 @@ mod drawn;
 mod endpoints;
 mod false_distances;
 mod forward_motion;
+mod formats;
 mod frames;
 mod harness;
 mod journey;

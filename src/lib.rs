@@ -121,6 +121,7 @@ pub mod measure;
 pub mod sensor;
 
 // The way of the data: a row of pixels, edge points, lines, ranges.
+pub mod format;
 mod edge;
 mod line;
 mod range;
@@ -132,7 +133,9 @@ mod sequence;
 pub mod sim;
 
 pub use edge::{EdgePoint, Polarity, ScannedPoint, Scanner};
-pub use error::{EdgeError, FitError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream};
+pub use error::{
+    EdgeError, FitError, FormatNameError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream,
+};
 pub use line::{Counters, Line, OutOfOrder};
 pub use motion::{FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Twist};
 pub use range::{
