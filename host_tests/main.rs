@@ -16,6 +16,7 @@ mod endpoints;
 mod false_distances;
 mod flicker;
 mod forward_motion;
+mod formats;
 mod frames;
 mod harness;
 mod journey;

@@ -35,6 +35,22 @@ impl Display for ParameterError {
 
 impl Error for ParameterError {}
 
+/// A name that is none of a [`PixelFormat`](crate::format::PixelFormat).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FormatNameError;
+
+impl Display for FormatNameError {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
+        formatter.write_str(
+            "the pixel format must be gray8, yuyv, yvyu, uyvy, vyuy, rgb565le, rgb565be, gray10p, gray10le, ",
+        )?;
+        formatter.write_str("gray12le, bayer8, bayer10p, bayer10le or bayer12le")
+    }
+}
+
+impl Error for FormatNameError {}
+
 /// Why a row of pixels was not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

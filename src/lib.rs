@@ -122,6 +122,7 @@ pub mod measure;
 pub mod sensor;
 
 // The way of the data: a row of pixels, edge points, lines, ranges.
+pub mod format;
 mod edge;
 mod line;
 mod range;
@@ -137,7 +138,9 @@ pub mod plan;
 pub mod sim;
 
 pub use edge::{EdgePoint, Polarity, ScannedPoint, Scanner};
-pub use error::{EdgeError, FitError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream};
+pub use error::{
+    EdgeError, FitError, FormatNameError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream,
+};
 pub use line::{Counters, Line, OutOfOrder};
 pub use motion::{FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Twist};
 pub use range::{

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
+use crate::format::Pixels;
 use crate::line::{Counters, Line, RowClock, RowTime, Tracker};
 use crate::motion::Motion;
 use crate::range::Range;
@@ -24,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (128 + 40 `KNOTS`) + 24 `POINTS` + 128 bytes.
+/// *Memory*: at most `LINES` × (136 + 40 `KNOTS`) + 24 `POINTS` + 128 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -53,10 +54,10 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     frame: Frame,
 }
 
-/// For a small board: 8 lines, 16 edge points a row. 4.2 kB.
+/// For a small board: 8 lines, 16 edge points a row. 4.3 kB.
 pub type SmallRanger = Ranger<8, 8, 16>;
 
-/// For a vision board: 16 lines, 32 edge points a row. 10.6 kB.
+/// For a vision board: 16 lines, 32 edge points a row. 10.7 kB.
 pub type BoardRanger = Ranger<16, 12, 32>;
 
 /// For a desktop: 256 lines, 4096 edge points a row. 0.8 MB: make it in a `static`, or box it.
@@ -126,21 +127,22 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         Ok(())
     }
 
-    /// Takes one row of pixels, dark 0 to bright 255. Rows come in the order of readout, each once.
+    /// Takes one row of pixels: bytes, dark 0 to bright 255, or any other [format](crate::format). Rows come in the order
+    /// of readout, each once.
     ///
     /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are given
     /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. A row
     /// in a frame of edge points is refused and changes nothing.
     ///
     /// *Cost*: a sum over the row, about 200 operations per line, and about ten per pixel near anything else.
-    pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: &[u8]) -> Result<(), RowError> {
+    pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
             Frame::OfPixels { rows_read } => rows_read,
             Frame::OfPoints(_) => return Err(RowError::FrameOfPoints { row }),
             Frame::Torn => return Err(RowError::Torn),
         };
-        if let Err(error) = check_pixels(setup, rows_read, row, pixels) {
+        if let Err(error) = check_pixels(setup, rows_read, row, pixels.columns()) {
             self.tear();
             return Err(error);
         }
@@ -313,20 +315,20 @@ fn check_values<S: Scalar>(setup: &Setup<S>, point: &EdgePoint) -> Result<(), Ed
 }
 
 /// Whether a row of pixels is the next one of the frame, and whole.
-fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: &[u8]) -> Result<(), RowError> {
+fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: usize) -> Result<(), RowError> {
     let (readout, columns) = (setup.readout(), setup.camera().intrinsics().columns);
     if row >= readout.rows() || readout.rows_before(row) != rows_read {
         return Err(RowError::Order { row, expected: readout.row_after(rows_read) });
     }
-    if pixels.len() != usize::from(columns) {
-        return Err(RowError::Length { row, pixels: pixels.len(), columns });
+    if pixels != usize::from(columns) {
+        return Err(RowError::Length { row, pixels, columns });
     }
     Ok(())
 }
 
 /// Refines the scanned points that no line explains, as well as a single row allows. Two points that share a window of the
 /// scanner keep their columns, but their widths are not measured.
-fn refine_alone(points: &mut [EdgePoint], pixels: PixelRow<'_>, noise_q8: u32) {
+fn refine_alone<P: Pixels>(points: &mut [EdgePoint], pixels: PixelRow<'_, P>, noise_q8: u32) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {

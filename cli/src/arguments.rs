@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use shutter_range::format::PixelFormat;
 
 use crate::help;
 use crate::input::camera_file::CameraSource;
 use crate::input::setup::SetupSource;
 use crate::input::size::Size;
+use crate::input::raw_frame::RawFrame;
 
 /// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than far
 /// ones.
@@ -246,9 +248,11 @@ pub(crate) struct FrameArgs {
     /// Draw each edge with its depth and sigma over the frame. Several frames give OUT-NAME.png, with each frame's name
     #[arg(long, value_name = "OUT.png", value_parser = png_path)]
     pub(crate) overlay: Option<PathBuf>,
-    /// The files are dumps of 8-bit grey pixels without a header, row by row from the top
-    #[arg(long, value_name = "WIDTHxHEIGHT")]
-    pub(crate) raw: Option<Size>,
+    /// The files are dumps of pixels without a header, row by row from the top. FORMAT is gray8 (default), yuyv, yvyu,
+    /// uyvy, vyuy, rgb565le, rgb565be, gray10p (RAW10 as MIPI packs it), gray10le, gray12le, bayer8, bayer10p, bayer10le
+    /// or bayer12le
+    #[arg(long, value_name = "WIDTHxHEIGHT[:FORMAT]")]
+    pub(crate) raw: Option<RawFrame>,
 }
 
 #[derive(Args)]
@@ -261,6 +265,9 @@ pub(crate) struct SimulateArgs {
     /// Replace an earlier simulation in the folder: its frame-*.png, truth.json, setup.toml and scene.toml are removed
     #[arg(long)]
     pub(crate) overwrite: bool,
+    /// Write the frames as dumps without a header, frame-0000.raw and so on, in a format of `frame --raw`
+    #[arg(long, value_name = "FORMAT")]
+    pub(crate) raw: Option<PixelFormat>,
     /// What the camera sees (TOML); default: a street with posts
     #[arg(long, value_name = "FILE")]
     pub(crate) scene: Option<PathBuf>,

@@ -112,7 +112,7 @@ Examples:
   shutter-range frame frame.png --setup camera.toml --overlay seen.png
   shutter-range frame *.jpg --setup camera.toml --overlay seen.png   # seen-0001.png, seen-0002.png, ...
   shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --trajectory drive.csv
-  shutter-range frame dump.bin --raw 320x240 --setup camera.toml --json";
+  shutter-range frame dump.bin --raw 320x240:yuyv --setup camera.toml --json";
 
 pub(crate) const SIMULATE: &str = "\
 The camera is that of the setup, a pinhole without distortion, with its exposure_s (default 2 ms) and

@@ -10,13 +10,14 @@ use super::point::{EdgePoint, Polarity};
 use super::scan::{ScannedPoint, Scanner};
 use super::spread_function::SpreadFunction;
 use super::window::{Neighbours, Side, Window, plateau};
+use crate::format::Pixels;
 
 /// Levels, blur and noise of a tracked edge, running means over its rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct EdgeModel {
-    /// Brightness on the left and on the right, in 1/65536 grey level.
-    levels_q16: [u32; 2],
+    /// Brightness on the left and on the right, in 1/65536 grey level; those of a mosaic's odd rows apart. Zero: not seen yet.
+    levels_q16: [[u32; 2]; 2],
     /// One sigma of the edge's blur, in 1/4096 px.
     blur_q12: u16,
     rows: u16,
@@ -71,13 +72,13 @@ const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
 impl EdgeModel {
     /// From an edge that a row shows on its own.
-    fn new(row: PixelRow<'_>, edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
+    fn new<P: Pixels>(row: PixelRow<'_, P>, edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
         let noise_q8 = row.noise_of_light_q8(i64::from(edge.column_q16), noise_q8);
         let noise_q16 = noise_q8.saturating_mul(noise_q8).max(LEAST_NOISE_Q16);
         let white_q8 = noise_q8.min(u32::from(u16::MAX)) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
         let mut model = Self {
-            levels_q16: [0; 2],
+            levels_q16: [[0; 2]; 2],
             blur_q12,
             noise_q16,
             rows: 1,
@@ -86,12 +87,17 @@ impl EdgeModel {
             textured_rows: 0,
         };
         model.look_beside(row, i64::from(edge.column_q16), around)?;
-        model.is_of(edge).then_some(model)
+        model.shows(row.kind(), edge.polarity).then_some(model)
     }
 
     /// The same with levels and blur of that row found each from the other: a long blur's width is only guessed at first, and
     /// noise may have broken it into pieces.
-    pub(crate) fn settled(row: PixelRow<'_>, edge: &EdgePoint, around: Neighbours, noise_q8: u32) -> Option<Self> {
+    pub(crate) fn settled<P: Pixels>(
+        row: PixelRow<'_, P>,
+        edge: &EdgePoint,
+        around: Neighbours,
+        noise_q8: u32,
+    ) -> Option<Self> {
         let mut model = Self::new(row, edge, around, noise_q8)?;
         let mut column_q16 = i64::from(edge.column_q16);
         for _ in 0..MOST_STEPS {
@@ -104,20 +110,40 @@ impl EdgeModel {
                 break;
             }
         }
-        model.is_of(edge).then_some(model)
+        model.shows(row.kind(), edge.polarity).then_some(model)
     }
 
     /// Takes the levels from the plateaus of a row.
-    fn look_beside(&mut self, row: PixelRow<'_>, column_q16: i64, around: Neighbours) -> Option<()> {
+    fn look_beside<P: Pixels>(&mut self, row: PixelRow<'_, P>, column_q16: i64, around: Neighbours) -> Option<()> {
         let reach_q16 = i64::from(SpreadFunction::new(self.blur_q8()).reach_q8()) << 8;
         let side = |side| plateau(row, column_q16, reach_q16, side, around);
-        self.levels_q16 = [side(Side::Left)?, side(Side::Right)?];
+        let own = [side(Side::Left)?, side(Side::Right)?];
+        if let Some(levels_q16) = self.levels_q16.get_mut(row.kind()) {
+            *levels_q16 = own;
+        }
         Some(())
     }
 
-    fn is_of(&self, edge: &EdgePoint) -> bool {
-        let polarity = if self.contrast_q8() < 0 { Polarity::Falling } else { Polarity::Rising };
-        polarity == edge.polarity && self.contrast_q8().abs() >= LEAST_CONTRAST_Q8
+    /// Whether rows of this kind show an edge of this polarity.
+    fn shows(&self, kind: usize, polarity: Polarity) -> bool {
+        self.polarity(kind) == polarity && self.contrast_q8(kind).abs() >= LEAST_CONTRAST_Q8
+    }
+
+    fn polarity(&self, kind: usize) -> Polarity {
+        if self.contrast_q8(kind) < 0 { Polarity::Falling } else { Polarity::Rising }
+    }
+
+    /// Looks at the first row of the other kind, so that its levels are known. `false` where the edge is none in such rows.
+    fn knows<P: Pixels>(&mut self, row: PixelRow<'_, P>, column_q16: i64, around: Neighbours) -> bool {
+        let (kind, other) = (row.kind(), 1 - row.kind());
+        if self.levels_q8(kind) != [0; 2] {
+            return true;
+        }
+        let is_one = self.look_beside(row, column_q16, around).is_some() && self.shows(kind, self.polarity(other));
+        if let (false, Some(levels_q16)) = (is_one, self.levels_q16.get_mut(kind)) {
+            *levels_q16 = [0; 2];
+        }
+        is_one
     }
 
     /// One part of `parts` of the way to another blur.
@@ -127,19 +153,19 @@ impl EdgeModel {
         self.blur_q12 = toward(self.blur_q12, wider_q12, parts).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
     }
 
-    fn levels_q8(&self) -> [i64; 2] {
-        self.levels_q16.map(|level_q16| i64::from(level_q16 >> 8))
+    fn levels_q8(&self, kind: usize) -> [i64; 2] {
+        self.levels_q16.get(kind).map_or([0; 2], |levels_q16| levels_q16.map(|level_q16| i64::from(level_q16 >> 8)))
     }
 
     /// Whether one of the levels is so near to the end of the scale that the sensor may have cut its noise, and a part of the
     /// flank, off: the width is then not that of the blur.
-    fn is_clipped(&self) -> bool {
+    fn is_clipped(&self, kind: usize) -> bool {
         let two_sigma_q8 = 2 * i64::from(self.white_q8);
-        self.levels_q8().into_iter().any(|level_q8| level_q8 + two_sigma_q8 >= 255 << 8)
+        self.levels_q8(kind).into_iter().any(|level_q8| level_q8 + two_sigma_q8 >= 255 << 8)
     }
 
-    fn contrast_q8(&self) -> i32 {
-        let [left_q8, right_q8] = self.levels_q8();
+    fn contrast_q8(&self, kind: usize) -> i32 {
+        let [left_q8, right_q8] = self.levels_q8(kind);
         (right_q8 - left_q8) as i32
     }
 
@@ -148,8 +174,8 @@ impl EdgeModel {
     }
 
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
-    pub(crate) fn refine_alone(
-        row: PixelRow<'_>,
+    pub(crate) fn refine_alone<P: Pixels>(
+        row: PixelRow<'_, P>,
         edge: &EdgePoint,
         around: Neighbours,
         noise_q8: u32,
@@ -171,14 +197,17 @@ impl EdgeModel {
     /// The edge near the expected column, from which the model learns; `None` where the row shows something else, or where the edge
     /// is farther off than the gate, or than its noise and the bias that the expected column itself may have. What is found must
     /// not depend on what was expected, or a line would go on where it once went astray: more steps where the first one is large.
-    pub(crate) fn locate(
+    pub(crate) fn locate<P: Pixels>(
         &mut self,
-        row: PixelRow<'_>,
+        row: PixelRow<'_, P>,
         expected_q16: i64,
         gate_q16: i64,
         drawn_q16: i64,
         around: Neighbours,
     ) -> Option<ScannedPoint> {
+        if !self.knows(row, expected_q16, around) {
+            return None;
+        }
         let expected = i32::try_from(expected_q16).ok()?;
         let mut fit = self.fit(row, expected, around)?;
         let blur_q16 = i64::from(self.blur_q12) << 4;
@@ -199,28 +228,30 @@ impl EdgeModel {
         // The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
         let half_q8 = i64::from(self.blur_q8() / 2);
         let width_q8 = (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16;
-        let width_q8 = if self.is_clipped() { 0 } else { width_q8 };
-        self.learn(&fit);
+        let width_q8 = if self.is_clipped(row.kind()) { 0 } else { width_q8 };
+        self.learn(row.kind(), &fit);
         Some(ScannedPoint {
             column_q16: i32::try_from(expected_q16 + fit.shift_q16).ok()?,
             sigma_q16: u32::try_from(fit.sigma_q16).ok()?.max(1),
             width_q8,
-            contrast: i16::try_from(self.contrast_q8() >> 8).ok()?,
+            contrast: i16::try_from(self.contrast_q8(row.kind()) >> 8).ok()?,
         })
     }
 
-    fn fit(&self, row: PixelRow<'_>, expected_q16: i32, around: Neighbours) -> Option<Fit> {
+    fn fit<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, around: Neighbours) -> Option<Fit> {
         let template = SpreadFunction::new(self.blur_q8());
         let expected = i64::from(expected_q16);
-        if !self.is_alone(expected, around, row.pixels.len()) {
+        if !self.is_alone(expected, around, row.pixels.columns()) {
             return None;
         }
         let look = Window::new(row, expected, &template, around)?;
-        let of_means = look.sums(&template, self.levels_q8());
+        let means_q8 = self.levels_q8(row.kind());
+        let of_means = look.sums(&template, means_q8);
         let off_q16 = of_means.off_q16;
-        let (sums, [left_q8, right_q8], residual_slope) = self.with_own_levels(&look, &template, of_means)?;
-        let contrast = i64::from(self.contrast_q8()) + right_q8 - left_q8;
-        if !self.is_alike(contrast) || !sums.shows_edge() {
+        let (sums, [left_q8, right_q8], residual_slope) = self.with_own_levels(&look, &template, means_q8, of_means)?;
+        let usual = i64::from(self.contrast_q8(row.kind()));
+        let contrast = usual + right_q8 - left_q8;
+        if !is_alike(contrast, usual) || !sums.shows_edge() {
             return None;
         }
         let (box_q16, slope_slope) = (i64::from(template.box_q8) << 8, sums.slope_slope >> 15);
@@ -248,21 +279,15 @@ impl EdgeModel {
         column_q16 - clear_q16 >= around.left_q16.max(0) && column_q16 + clear_q16 <= around.right_q16.min(border_q16)
     }
 
-    /// Whether an edge of this contrast is of the same kind: not so much weaker that it would only add noise, and at most twice as
-    /// strong.
-    fn is_alike(&self, contrast_q8: i64) -> bool {
-        let usual_q8 = i64::from(self.contrast_q8());
-        contrast_q8 * usual_q8.signum() * 3 >= usual_q8.abs() * 2 && contrast_q8.abs() <= 2 * usual_q8.abs()
-    }
-
     /// The sums with the levels that the row itself shows, what these are above the mean ones, and the product of residual and slope.
-    fn with_own_levels(
+    fn with_own_levels<P: Pixels>(
         &self,
-        look: &Window<'_>,
+        look: &Window<'_, P>,
         template: &SpreadFunction,
+        [left_mean_q8, right_mean_q8]: [i64; 2],
         of_means: Moments,
     ) -> Option<(Moments, [i64; 2], i64)> {
-        let (mut sums, [left_mean_q8, right_mean_q8]) = (of_means, self.levels_q8());
+        let mut sums = of_means;
         if self.is_textured() {
             // Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its
             // plateau, an error of the width would shift the edge.
@@ -319,14 +344,13 @@ impl EdgeModel {
     }
 
     /// Running means: a small part of each new row, more at first.
-    fn learn(&mut self, fit: &Fit) {
+    fn learn(&mut self, kind: usize, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
         let rows = i64::from(self.rows);
         // A few rows of something else are no texture.
         let most_q8 = 4 * i64::from(self.white_q8);
-        for ((mean_q16, level_scatter_q8), off_q16) in
-            self.levels_q16.iter_mut().zip(&mut self.level_scatter_q8).zip(fit.off_q16)
-        {
+        let means_q16 = self.levels_q16.iter_mut().skip(kind).take(1).flatten();
+        for ((mean_q16, level_scatter_q8), off_q16) in means_q16.zip(&mut self.level_scatter_q8).zip(fit.off_q16) {
             *level_scatter_q8 = toward(*level_scatter_q8, (off_q16.abs() >> 8).min(most_q8), rows.min(16));
             add(mean_q16, off_q16, rows.min(32));
         }
@@ -336,6 +360,12 @@ impl EdgeModel {
         let residual = fit.residual_q16.min(4 * noise + (1 << 16));
         self.noise_q16 = (noise + (residual - noise) / 16).clamp(i64::from(LEAST_NOISE_Q16), 1 << 31) as u32;
     }
+}
+
+/// Whether an edge of this contrast is of the usual kind: not so much weaker that it would only add noise, and at most twice
+/// as strong.
+fn is_alike(contrast_q8: i64, usual_q8: i64) -> bool {
+    contrast_q8 * usual_q8.signum() * 3 >= usual_q8.abs() * 2 && contrast_q8.abs() <= 2 * usual_q8.abs()
 }
 
 /// One part of `parts` of the way to `to`.
@@ -359,7 +389,7 @@ mod tests {
     use crate::sim::{Background, Bar, Exposure, Scene, Simulator};
     use crate::{Camera, Distortion, EdgePoint, Intrinsics, Line, Readout, Response, Scanner, Twist};
 
-    fn row_of(pixels: &[u8]) -> PixelRow<'_> {
+    fn row_of(pixels: &[u8]) -> PixelRow<'_, &[u8]> {
         PixelRow { pixels, response: &Response::Linear }
     }
 

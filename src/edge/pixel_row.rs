@@ -1,37 +1,116 @@
-//! [`PixelRow`]: a row of pixels, read as light.
+//! [`PixelRow`]: a row of pixels in any format, read as whole grey levels and as light.
 
+use core::ops::Range;
+
+use crate::format::{MosaicRow, Pixels};
 use crate::setup::Response;
 
 /// A row of pixels and how their grey levels follow the light.
 #[derive(Clone, Copy)]
-pub(crate) struct PixelRow<'p> {
-    pub(crate) pixels: &'p [u8],
+pub(crate) struct PixelRow<'p, P> {
+    pub(crate) pixels: P,
     pub(crate) response: &'p Response,
 }
 
-impl<'p> PixelRow<'p> {
-    pub(super) fn get(&self, from: i64, to: i64) -> Option<&'p [u8]> {
-        self.pixels.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?)
+/// Pixels `from` up to `to` of a row, which has them all.
+#[derive(Clone, Copy)]
+pub(super) struct Stretch {
+    pub(super) from: usize,
+    pub(super) to: usize,
+}
+
+impl Stretch {
+    pub(super) const fn pixels(self) -> usize {
+        self.to - self.from
     }
 
-    /// The light of a grey level in 1/256 of a level.
-    pub(super) fn light_q8(&self, level: u8) -> i64 {
-        i64::from(self.response.light_q8(level))
+    const fn columns(self) -> Range<usize> {
+        self.from..self.to
+    }
+}
+
+impl<P: Pixels> PixelRow<'_, P> {
+    pub(super) fn stretch(&self, from: i64, to: i64) -> Option<Stretch> {
+        let (from, to) = (usize::try_from(from).ok()?, usize::try_from(to).ok()?);
+        (from <= to && to <= self.pixels.columns()).then_some(Stretch { from, to })
     }
 
-    /// Sum of the light of up to 255 pixels, in 1/256 of a level.
-    pub(super) fn sum_q8(&self, pixels: &[u8]) -> u32 {
-        pixels.iter().map(|pixel| u32::from(self.response.light_q8(*pixel))).sum()
+    /// The light of the pixels in 1/256 of a level.
+    pub(super) fn light_q8(&self, stretch: Stretch) -> impl Iterator<Item = u16> {
+        self.pixels.levels_q8(stretch.columns()).map(|level_q8| self.response.light_q8(level_q8))
+    }
+
+    /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.
+    pub(super) fn kind(&self) -> usize {
+        usize::from(self.pixels.mosaic_row() == Some(MosaicRow::Odd))
+    }
+
+    /// Fewest pixels that show a level: one of each colour.
+    pub(super) fn colours(&self) -> i64 {
+        if self.pixels.mosaic_row().is_some() { 2 } else { 1 }
+    }
+
+    /// Mean light of up to 255 pixels, in 1/65536 of a level; of a mosaic, mean of the means of its two colours.
+    pub(super) fn mean_q16(&self, stretch: Stretch) -> Option<u32> {
+        if self.pixels.mosaic_row().is_some() {
+            let [even, odd] = self.colour_means_q16(stretch)?;
+            return Some((even + odd) / 2);
+        }
+        // The product fits 32 bits.
+        let sum_q8: u32 = self.light_q8(stretch).map(u32::from).sum();
+        (sum_q8 << 8).checked_div(stretch.pixels() as u32)
+    }
+
+    /// How much brighter the even columns of a mosaic are than the mean of its two colours, in 1/256 of a level; zero for
+    /// one colour.
+    pub(super) fn colour_q8(&self, stretch: Stretch) -> i64 {
+        let means = self.pixels.mosaic_row().and_then(|_| self.colour_means_q16(stretch));
+        means.map_or(0, |[even, odd]| (i64::from(even) - i64::from(odd)) >> 9)
+    }
+
+    /// Those of the even and of the odd columns, where there are both.
+    fn colour_means_q16(&self, stretch: Stretch) -> Option<[u32; 2]> {
+        let (mut sums_q8, mut counts) = ([0_u32; 2], [0_u32; 2]);
+        for (column, light_q8) in stretch.columns().zip(self.light_q8(stretch)) {
+            let [even, odd] = &mut sums_q8;
+            let [evens, odds] = &mut counts;
+            let (sum_q8, count) = if column % 2 == 0 { (even, evens) } else { (odd, odds) };
+            *sum_q8 += u32::from(light_q8);
+            *count += 1;
+        }
+        let ([even, odd], [evens, odds]) = (sums_q8, counts);
+        Some([(even << 8).checked_div(evens)?, (odd << 8).checked_div(odds)?])
     }
 
     /// Noise of the light at a column, from that of the grey levels, both in 1/256 of a level.
     pub(super) fn noise_of_light_q8(&self, column_q16: i64, noise_q8: u32) -> u32 {
         // The curve is steep at one end of an edge and flat at the other: its middle stands for both.
-        const STEP: u8 = 8;
-        let middle = usize::try_from(column_q16 >> 16).ok().and_then(|column| self.pixels.get(column));
-        let Some(level) = middle.map(|level| (*level).clamp(STEP, u8::MAX - STEP)) else { return noise_q8 };
-        let rise_q8 = self.light_q8(level + STEP) - self.light_q8(level - STEP);
-        let slope_q8 = u32::try_from(rise_q8 / (2 * i64::from(STEP))).unwrap_or(0).max(1);
-        noise_q8.saturating_mul(slope_q8) >> 8
+        const STEP_Q8: u16 = 8 << 8;
+        let middle = usize::try_from(column_q16 >> 16).ok().filter(|column| *column < self.pixels.columns());
+        let Some(column) = middle else { return noise_q8 };
+        let level_q8 = self.pixels.level_q8(column).clamp(STEP_Q8, (255 << 8) - STEP_Q8);
+        let light_q8 = |level_q8| u32::from(self.response.light_q8(level_q8));
+        let rise_q8 = light_q8(level_q8 + STEP_Q8).saturating_sub(light_q8(level_q8 - STEP_Q8));
+        let slope_q8 = rise_q8 / (2 * u32::from(STEP_Q8 >> 8));
+        noise_q8.saturating_mul(slope_q8.max(1)) >> 8
     }
+}
+
+/// The whole grey levels of a stretch of a row: those bytes themselves where it is grey, else in the buffer. What lies beyond
+/// the row is left out; the buffer is large enough.
+pub(super) fn grey<'b, P: Pixels, const N: usize>(
+    pixels: &'b P,
+    columns: Range<usize>,
+    buffer: &'b mut [u8; N],
+) -> &'b [u8] {
+    if let Some(grey) = pixels.grey() {
+        return grey.get(columns.start..columns.end.min(grey.len())).unwrap_or_default();
+    }
+    let levels_q8 = pixels.levels_q8(columns.start..columns.end.min(pixels.columns()));
+    let mut count = 0;
+    for (level, level_q8) in buffer.iter_mut().zip(levels_q8) {
+        *level = (level_q8.saturating_add(128) >> 8) as u8;
+        count += 1;
+    }
+    buffer.get(..count).unwrap_or_default()
 }

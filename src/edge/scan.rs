@@ -5,7 +5,9 @@
 //! difference of two windows of four pixels over the row: each run of one sign above the noise is a point of an edge, and
 //! the centroid of the run is its column.
 
+use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
+use crate::format::Pixels;
 
 /// A point of an edge as a single row of pixels shows it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,14 +107,14 @@ impl Scanner {
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
-    /// Scans a row, dark 0 to bright 255, and hands its edge points to `found`, from left to right.
-    pub fn scan(&mut self, pixels: &[u8], mut found: impl FnMut(ScannedPoint)) {
-        self.learn(pixels);
+    /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to right.
+    pub fn scan(&mut self, pixels: impl Pixels, mut found: impl FnMut(ScannedPoint)) {
+        self.learn(&pixels);
         let noise_q8 = self.noise_q8();
         let difference = sigma_of(self.difference_q8).max(self.difference_of_noise_q8()).max(LEAST_DIFFERENCE << 6);
         let least = (4 * difference) >> 8;
         // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding difference.
-        coarse(pixels, 2 * least, |from, to| fine(pixels, from, to, least as i32, noise_q8, &mut found));
+        coarse(&pixels, 2 * least, |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found));
     }
 
     /// Whether neighbouring windows usually differ by more than twice what noise explains.
@@ -127,19 +129,19 @@ impl Scanner {
 
     /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly
     /// disturb: an upright edge is in the same place row after row.
-    fn learn(&mut self, pixels: &[u8]) {
+    fn learn(&mut self, pixels: &impl Pixels) {
         // Some four pairs a row are plenty, others in each row.
-        let every = if self.rows == 0 { 1 } else { (pixels.len() / (8 * BLOCK)).max(2) };
+        let every = if self.rows == 0 { 1 } else { (pixels.columns() / (8 * BLOCK)).max(2) };
         let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
-        let from_first = pixels.get(first * PAIR..).unwrap_or_default();
-        let pairs = || from_first.chunks((every * PAIR).max(PAIR)).filter_map(|pixels| pixels.get(..PAIR));
+        let starts =
+            || (first * PAIR..).step_by((every * PAIR).max(PAIR)).take_while(|at| at + PAIR <= pixels.columns());
         if self.rows == 0 {
-            self.second_q8 = usual_size(|| pairs().map(second_difference));
-            self.difference_q8 = usual_size(|| pairs().map(sliding_difference));
+            self.second_q8 = usual_size(|| starts().map(|at| second_difference(pixels, at)));
+            self.difference_q8 = usual_size(|| starts().map(|at| sliding_difference(pixels, at)));
         }
-        for pair in pairs() {
-            approach(&mut self.second_q8, second_difference(pair));
-            approach(&mut self.difference_q8, sliding_difference(pair));
+        for at in starts() {
+            approach(&mut self.second_q8, second_difference(pixels, at));
+            approach(&mut self.difference_q8, sliding_difference(pixels, at));
         }
         self.rows = self.rows.wrapping_add(1);
     }
@@ -160,16 +162,20 @@ fn sum(pixels: &[u8]) -> i32 {
     pixels.iter().map(|pixel| i32::from(*pixel)).sum()
 }
 
-/// Second difference of three pixels in the middle of a pair of blocks: its sigma is √6 times the noise.
-fn second_difference(pair: &[u8]) -> u32 {
-    let at = |index| pair.get(index).map_or(0, |pixel| i32::from(*pixel));
-    (at(BLOCK - 1) - 2 * at(BLOCK) + at(BLOCK + 1)).unsigned_abs()
+/// Second difference of three pixels of one colour in the middle of a pair of blocks: its sigma is √6 times the noise.
+fn second_difference(pixels: &impl Pixels, pair: usize) -> u32 {
+    let apart = if pixels.mosaic_row().is_some() { 2 } else { 1 };
+    let (mut buffer, middle) = ([0; 2 * WINDOW], pair + BLOCK);
+    let levels = grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer);
+    let at = |index| levels.get(index).map_or(0, |pixel: &u8| i32::from(*pixel));
+    (at(WINDOW - apart) - 2 * at(WINDOW) + at(WINDOW + apart)).unsigned_abs()
 }
 
-fn sliding_difference(pair: &[u8]) -> u32 {
-    let (left, right) = pair.split_at(BLOCK.min(pair.len()));
-    let near = |half: &[u8]| sum(half.get(half.len().saturating_sub(WINDOW)..).unwrap_or_default());
-    (sum(right.get(..WINDOW).unwrap_or_default()) - near(left)).unsigned_abs()
+fn sliding_difference(pixels: &impl Pixels, pair: usize) -> u32 {
+    let (mut buffer, middle) = ([0; 2 * WINDOW], pair + BLOCK);
+    let levels = grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer);
+    let (left, right) = levels.split_at(WINDOW.min(levels.len()));
+    (sum(right) - sum(left)).unsigned_abs()
 }
 
 /// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.
@@ -185,12 +191,14 @@ fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
 }
 
 /// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
-fn coarse(pixels: &[u8], limit: u32, mut stretch: impl FnMut(usize, usize)) {
+fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize)) {
     let limit = u16::try_from(limit).unwrap_or(u16::MAX);
     let mut open: Option<(usize, usize)> = None;
     let mut last: Option<u16> = None;
-    let mut at = 0;
-    for group in pixels.chunks(BLOCK * GROUP) {
+    let (columns, mut at) = (pixels.columns(), 0);
+    let mut buffer = [0; BLOCK * GROUP];
+    while at * BLOCK < columns {
+        let group = grey(pixels, at * BLOCK..(at + GROUP) * BLOCK, &mut buffer);
         // The sum before, then those of the group; both loops are simple enough for vector instructions.
         let mut sums = [0_u16; GROUP + 1];
         let filled = group.len() / BLOCK;
@@ -214,15 +222,15 @@ fn coarse(pixels: &[u8], limit: u32, mut stretch: impl FnMut(usize, usize)) {
             let (from, to) = (block.saturating_sub(1), block + 1);
             add_stretch(&mut open, (from, to), &mut stretch);
         }
-        at += filled;
+        at += GROUP;
     }
     // The pixels beyond the last whole block, with as many before them as make a block.
-    let tail = pixels.len().saturating_sub(BLOCK);
-    let tail_sum = pixels.get(tail..).map(|block| block.iter().map(|pixel| u16::from(*pixel)).sum::<u16>());
-    let differs = |sum: u16| last.is_some_and(|last| sum.abs_diff(last) > limit);
-    let blocks = pixels.len() / BLOCK;
-    let (tail_from, to_end) = (blocks.saturating_sub(1), pixels.len().div_ceil(BLOCK));
-    if blocks < to_end && tail_sum.is_some_and(differs) {
+    let mut buffer = [0; BLOCK];
+    let tail = grey(pixels, columns.saturating_sub(BLOCK)..columns, &mut buffer);
+    let tail_sum: u16 = tail.iter().map(|pixel| u16::from(*pixel)).sum();
+    let blocks = columns / BLOCK;
+    let (tail_from, to_end) = (blocks.saturating_sub(1), columns.div_ceil(BLOCK));
+    if blocks < to_end && last.is_some_and(|last| tail_sum.abs_diff(last) > limit) {
         add_stretch(&mut open, (tail_from, to_end), &mut stretch);
     }
     if let Some((start, end)) = open {
@@ -303,12 +311,12 @@ impl Run {
 }
 
 /// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise.
-fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedPoint)) {
+fn fine(pixels: &impl Pixels, from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedPoint)) {
     let from = from.saturating_sub(2 * WINDOW);
-    let to = (to + 2 * WINDOW).min(pixels.len());
-    let Some(stretch) = pixels.get(from..to).filter(|stretch| stretch.len() > 2 * WINDOW) else {
+    let to = (to + 2 * WINDOW).min(pixels.columns());
+    if to <= from + 2 * WINDOW {
         return;
-    };
+    }
     let mut run: Option<Run> = None;
     let mut close = |run: Run| {
         // A run that begins with the scanned stretch may have begun before it, and its centroid would be off.
@@ -330,10 +338,12 @@ fn fine(pixels: &[u8], from: usize, to: usize, least: i32, noise_q8: u32, found:
         }
     };
     // Position k of the stretch compares the pixels before k + 4 with those from there on.
-    let positions = stretch.len() - 2 * WINDOW + 1;
+    let positions = to - from - 2 * WINDOW + 1;
+    let mut buffer = [0; BLOCK + 2 * WINDOW];
     let mut next = 0;
     while next < positions {
-        let rest = stretch.get(next..).unwrap_or_default();
+        let at = from + next;
+        let rest = grey(pixels, at..at + BLOCK + 2 * WINDOW, &mut buffer);
         let quiet = run.is_none() && rest.first_chunk().is_some_and(|pixels| is_quiet(pixels, least));
         if !quiet {
             slide(rest, BLOCK.min(positions - next), |index, difference| {

@@ -1,9 +1,10 @@
 //! [`Window`]: the pixels around an edge, and their moments against an expected spread function.
 
 use super::moments::{LevelMoments, Moments};
-use super::pixel_row::PixelRow;
+use super::pixel_row::{PixelRow, Stretch};
 use super::point::EdgePoint;
-use super::spread_function::SpreadFunction;
+use super::spread_function::{Place, SpreadFunction};
+use crate::format::Pixels;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -40,65 +41,75 @@ impl Neighbours {
 pub(crate) const PLATEAU: i64 = 4;
 
 /// The pixels around an edge: its flank, and a plateau on either side.
-pub(crate) struct Window<'p> {
-    row: PixelRow<'p>,
-    flank: &'p [u8],
-    plateaus: [&'p [u8]; 2],
+pub(crate) struct Window<'p, P> {
+    row: PixelRow<'p, P>,
+    flank: Stretch,
+    plateaus: [Stretch; 2],
+    /// Of a mosaic: how much brighter its even columns are than the mean of its two colours, on either side.
+    colours_q8: [i64; 2],
     /// Distance of the flank's first pixel from the expected column.
     off_q8: i32,
 }
 
-impl<'p> Window<'p> {
+impl<'p, P: Pixels> Window<'p, P> {
     pub(crate) fn new(
-        row: PixelRow<'p>,
+        row: PixelRow<'p, P>,
         column_q16: i64,
         template: &SpreadFunction,
         around: Neighbours,
     ) -> Option<Self> {
         let reach_q16 = i64::from(template.reach_q8()) << 8;
         let (from_q16, to_q16) = view(column_q16, reach_q16, around);
-        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(row.pixels.len() as i64));
+        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(row.pixels.columns() as i64));
         // At least the outermost pixels tell the levels.
-        let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + 1);
-        let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - 1);
+        let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + row.colours());
+        let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - row.colours());
+        let plateaus = [row.stretch(from, flank_from)?, row.stretch(flank_to, to)?];
         Some(Self {
             row,
-            flank: row.get(flank_from, flank_to)?,
-            plateaus: [row.get(from, flank_from)?, row.get(flank_to, to)?],
+            flank: row.stretch(flank_from, flank_to)?,
+            plateaus,
+            colours_q8: plateaus.map(|plateau| row.colour_q8(plateau)),
             off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
+        })
+    }
+
+    /// The light of each pixel of the flank less what is expected there.
+    fn residuals_q8(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> impl Iterator<Item = (i64, Place)> {
+        let [left_q8, right_q8] = levels_q8;
+        let is_mosaic = self.row.pixels.mosaic_row().is_some();
+        let [left_colour_q8, right_colour_q8] = if is_mosaic { self.colours_q8 } else { [0; 2] };
+        // One colour is as much brighter than their mean as the other is darker.
+        let mut sign = if self.flank.from.is_multiple_of(2) { 1 } else { -1 };
+        self.row.light_q8(self.flank).zip(template.walk(self.off_q8)).map(move |(light_q8, place)| {
+            let (left_q8, right_q8) = (left_q8 + sign * left_colour_q8, right_q8 + sign * right_colour_q8);
+            sign = -sign;
+            let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
+            (i64::from(light_q8) - expected_q8, place)
         })
     }
 
     /// What the flank says of the levels themselves, given those to expect.
     pub(crate) fn level_sums(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> LevelMoments {
         let mut sums = LevelMoments::default();
-        let [left_q8, right_q8] = levels_q8;
-        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
-            let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
-            sums.add(self.row.light_q8(*pixel) - expected_q8, &place);
-        }
+        self.residuals_q8(template, levels_q8).for_each(|(residual_q8, place)| sums.add(residual_q8, &place));
         sums
     }
 
     /// Given the levels to expect.
     pub(crate) fn sums(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> Moments {
         let mut sums = Moments::default();
-        let [left_q8, right_q8] = levels_q8;
-        let contrast_q8 = right_q8 - left_q8;
-        for (pixel, place) in self.flank.iter().zip(template.walk(self.off_q8)) {
-            let expected_q8 = left_q8 + ((contrast_q8 * i64::from(place.step)) >> 15);
-            sums.add(self.row.light_q8(*pixel) - expected_q8, &place);
-        }
-        let [left, right] = self.plateaus;
-        sums.plateau_pixels = [left.len() as i64, right.len() as i64];
+        self.residuals_q8(template, levels_q8).for_each(|(residual_q8, place)| sums.add(residual_q8, &place));
+        let ([left, right], [left_q8, right_q8]) = (self.plateaus, levels_q8);
+        sums.plateau_pixels = [left.pixels() as i64, right.pixels() as i64];
         sums.off_q16 = [off_q16(self.row, left, left_q8), off_q16(self.row, right, right_q8)];
         sums
     }
 }
 
 /// Mean of a plateau minus what is expected.
-fn off_q16(row: PixelRow<'_>, plateau: &[u8], level_q8: i64) -> i64 {
-    (i64::from(row.sum_q8(plateau)) << 8) / (plateau.len() as i64).max(1) - (level_q8 << 8)
+fn off_q16<P: Pixels>(row: PixelRow<'_, P>, plateau: Stretch, level_q8: i64) -> i64 {
+    i64::from(row.mean_q16(plateau).unwrap_or(0)) - (level_q8 << 8)
 }
 
 /// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
@@ -117,16 +128,22 @@ pub(crate) enum Side {
     Right,
 }
 
-/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way.
-pub(crate) fn plateau(row: PixelRow<'_>, column: i64, reach_q16: i64, side: Side, around: Neighbours) -> Option<u32> {
+/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way
+/// (and of its neighbour's, whose colour is another one in a mosaic).
+pub(crate) fn plateau<P: Pixels>(
+    row: PixelRow<'_, P>,
+    column: i64,
+    reach_q16: i64,
+    side: Side,
+    around: Neighbours,
+) -> Option<u32> {
     let (left, right) = view(column, reach_q16, around);
     let (from, to) = match side {
         Side::Left => (left, (column - reach_q16).max(left)),
         Side::Right => ((column + reach_q16).min(right), right),
     };
-    let from = ((from + (1 << 15)) >> 16).max(0);
-    let to = ((to + (1 << 15)) >> 16).min(row.pixels.len() as i64 - 1);
-    let window = row.get(from, to + 1)?;
-    // Fewer than 256 pixels: the product fits 32 bits.
-    (row.sum_q8(window) << 8).checked_div(window.len() as u32)
+    let last = row.pixels.columns() as i64 - 1;
+    let from = ((from + (1 << 15)) >> 16).max(0).min(last + 1 - row.colours());
+    let to = ((to + (1 << 15)) >> 16).min(last).max(from + row.colours() - 1);
+    row.mean_q16(row.stretch(from, to + 1)?)
 }

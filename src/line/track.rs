@@ -3,6 +3,7 @@
 use super::association::Prediction;
 use super::line::Line;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
+use crate::format::Pixels;
 use crate::setup::Limits;
 
 /// A line, and where it goes: a line fit with fading memory.
@@ -192,11 +193,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// The edge's point in a row of pixels, by the edge's model.
-    pub(crate) fn locate(
+    pub(crate) fn locate<P: Pixels>(
         &mut self,
         prediction: &Prediction,
         at: RowTime,
-        row: PixelRow<'_>,
+        row: PixelRow<'_, P>,
         around: Neighbours,
     ) -> Option<EdgePoint> {
         let model = self.model.as_mut()?;

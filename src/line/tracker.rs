@@ -7,6 +7,7 @@ use super::counters::Counters;
 use super::line::Line;
 use super::track::{RowTime, State, Track};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
+use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
 
 /// The lines of a frame under way: at most `LINES` of `KNOTS` knots each.
@@ -143,11 +144,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Locates the confirmed lines in a row of pixels where they are predicted, and removes the scanned points that this
     /// explains. To be called before [`Tracker::row`] takes the others.
-    pub(crate) fn refine<const POINTS: usize>(
+    pub(crate) fn refine<P: Pixels, const POINTS: usize>(
         &mut self,
         limits: &Limits,
         at: RowTime,
-        pixels: PixelRow<'_>,
+        pixels: PixelRow<'_, P>,
         points: &mut Vec<EdgePoint, POINTS>,
     ) {
         let mut explained: Vec<Explained, LINES> = Vec::new();
@@ -198,7 +199,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Gives newly confirmed lines a model of their edge, from the row in which they were last seen.
-    pub(crate) fn learn(&mut self, row: u16, pixels: PixelRow<'_>, noise_q8: u32) {
+    pub(crate) fn learn<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
         for place in &self.under_way {
             let track = |place: &u16| self.tracks.get(usize::from(*place)).and_then(Slot::track);
             let is_new = |track: &&Track<KNOTS>| track.state == State::Confirmed && track.model.is_none();

@@ -25,12 +25,12 @@ pub enum Response {
 }
 
 impl Response {
-    /// The light of a grey level in 1/256 of a level.
-    pub(crate) fn light_q8(&self, level: u8) -> u16 {
+    /// The light of a grey level, both in 1/256 of a level.
+    pub(crate) fn light_q8(&self, level_q8: u16) -> u16 {
         match self {
-            Self::Unknown | Self::Linear => u16::from(level) << 8,
-            Self::Srgb => look_up(&SRGB, level),
-            Self::Table(table) => look_up(table, level),
+            Self::Unknown | Self::Linear => level_q8,
+            Self::Srgb => look_up(&SRGB, level_q8),
+            Self::Table(table) => look_up(table, level_q8),
         }
     }
 
@@ -40,9 +40,16 @@ impl Response {
     }
 }
 
-fn look_up(table: &[u16; 256], level: u8) -> u16 {
+/// Between whole levels the curve is straight.
+fn look_up(table: &[u16; 256], level_q8: u16) -> u16 {
+    let [level, part] = level_q8.to_be_bytes();
     // A level is always one of the 256.
-    table.get(usize::from(level)).copied().unwrap_or(0)
+    let at = |level: u8| u32::from(table.get(usize::from(level)).copied().unwrap_or(0));
+    let (below, part) = (at(level), u32::from(part));
+    if part == 0 {
+        return below as u16;
+    }
+    ((below * (256 - part) + at(level.saturating_add(1)) * part) >> 8) as u16
 }
 
 /// The light of sRGB's grey levels (IEC 61966-2-1), times 65280.

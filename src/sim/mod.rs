@@ -5,7 +5,8 @@
 //! and yields each pixel row with the blur of its exposure, that of the lens, shot noise and read noise;
 //! [`Simulator::truth`] says where the edges really are. [`Bar`]s may be as the world has them: rough, bowed, tapered, or
 //! round and lit from the side; and a [`Pipeline`] does to the rows what cameras do before they deliver them: tone curves,
-//! sharpening, denoising, a colour mosaic, the sensor's columns. Lamps may [`Flicker`]. Any row comes out with the same bits, in any order, on a
+//! sharpening, denoising, a colour mosaic, the sensor's columns. Lamps may [`Flicker`]. [`Simulator::row_in`] gives a row
+//! in any [`PixelFormat`](crate::format::PixelFormat). Any row comes out with the same bits, in any order, on a
 //! desktop and on a board: a pixel depends on nothing but the parameters, the seed, the frame, the row and the column.
 //!
 //! It is written from the physics and shares no formula with the estimator: it intersects the plane of a row's rays with
@@ -49,6 +50,8 @@ mod blur;
 mod layer;
 mod noise;
 mod row_texture;
+mod tint;
+mod encoding;
 mod simulator;
 mod truth;
 mod tone_curve;
@@ -67,5 +70,6 @@ pub use shading::Shading;
 pub use simulator::Simulator;
 pub use stage::Stage;
 pub use texture::Texture;
+pub use tint::Tint;
 pub use tone_curve::ToneCurve;
 pub use truth::Truth;

@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use super::checked::check;
+use super::encoding::RowEncoder;
 use super::exposure::Exposure;
 use super::flicker::Flicker;
 use super::layer::{Layer, RowView, Softness};
@@ -10,8 +11,10 @@ use super::noise::RowNoise;
 use super::random::{hash, mix};
 use super::row_texture::RowTexture;
 use super::scene::Scene;
+use super::tint::Tint;
 use super::view::{Lens, Vector, View};
 use crate::error::ParameterError;
+use crate::format::PixelFormat;
 use crate::motion::{Motion, Twist};
 use crate::setup::{Camera, Distortion, Readout};
 
@@ -32,6 +35,7 @@ pub struct Simulator<'a, const OBJECTS: usize> {
     exposure: Exposure,
     softness: Option<Softness>,
     flicker: Option<Flicker>,
+    tint: Tint,
     seed: u64,
     frame: u32,
     start_ns: i64,
@@ -79,6 +83,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
             exposure,
             softness: None,
             flicker: None,
+            tint: Tint::NEUTRAL,
             seed,
             frame: 0,
             start_ns: 0,
@@ -116,6 +121,14 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         Ok(Self { flicker: Some(flicker), ..self })
     }
 
+    /// The same with colours, which a mosaic shows ([`Simulator::row_in`]).
+    ///
+    /// *Errors*: an offset or a gain outside the limits of its field.
+    pub fn with_tint(self, tint: Tint) -> Result<Self, ParameterError> {
+        tint.check()?;
+        Ok(Self { tint, ..self })
+    }
+
     /// The camera's motion in the axes of *this* frame's start, as a range finder needs it; in frame 0 it is as given.
     ///
     /// *Errors*: a component of an extreme velocity that rotation has driven beyond the limit of [`Twist`].
@@ -134,7 +147,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
     pub fn row(&self, row: u16, pixels: &mut [u8]) {
         let mut pixels = pixels.iter_mut();
         // The conversion cuts off below 0 and above 255.
-        self.levels(row, pixels.len(), |level| {
+        self.levels(row, pixels.len(), &Tint::NEUTRAL, |level| {
             if let Some(pixel) = pixels.next() {
                 *pixel = (level + 0.5) as u8;
             }
@@ -145,15 +158,23 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
     /// bits of it ([`Pipeline`](super::Pipeline)).
     pub fn row_q8(&self, row: u16, levels: &mut [u16]) {
         let mut levels = levels.iter_mut();
-        self.levels(row, levels.len(), |level| {
+        self.levels(row, levels.len(), &Tint::NEUTRAL, |level| {
             if let Some(level_q8) = levels.next() {
                 *level_q8 = (level * 256.0 + 0.5) as u16;
             }
         });
     }
 
+    /// As [`row`](Self::row), but as the sensor delivers it in a format: [`PixelFormat::row_bytes`] bytes, or as many as
+    /// there is room for. A mosaic is RGGB and shows the colours of [`Simulator::with_tint`]; all else is grey.
+    pub fn row_in(&self, row: u16, format: PixelFormat, bytes: &mut [u8]) {
+        let tint = if format.is_mosaic() { self.tint } else { Tint::NEUTRAL };
+        let mut encoder = RowEncoder::new(format, bytes);
+        self.levels(row, self.columns.into(), &tint, |level| encoder.push(level));
+    }
+
     /// The levels of a row with their noise, for so many columns at most.
-    fn levels(&self, row: u16, columns: usize, mut take: impl FnMut(f32)) {
+    fn levels(&self, row: u16, columns: usize, tint: &Tint, mut take: impl FnMut(f32)) {
         let row = self.nearest_row(row);
         let view = self.row_view(row);
         let [_, middle, _] = &view.views;
@@ -169,7 +190,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         for column in (0..self.columns).take(columns) {
             let x = f32::from(column);
             let level = layers.iter_mut().fold(background.level(x), |behind, layer| layer.cover(x, behind));
-            take(noise.noisy(column, level * light));
+            take(noise.noisy(column, tint.level(row, column, level * light)));
         }
     }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
-use image::GrayImage;
+use shutter_range::format::Pixels;
 use shutter_range::{Counters, Line, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
@@ -32,9 +32,9 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
     let size = setup.size();
     if let Some(raw) = arguments.raw {
         let camera = "(`camera.columns` × `camera.rows` of the setup)";
-        ensure!(raw == size, "--raw says {raw} pixels, but must say {size} {camera}");
+        ensure!(raw.size == size, "--raw says {} pixels, but must say {size} {camera}", raw.size);
     }
-    let format = PictureFormat { size, raw: arguments.raw.is_some(), bits: setup.bits };
+    let format = PictureFormat { size, raw: arguments.raw, bits: setup.bits };
     let mut motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
     let mut sequence = FrameSequence::new(setup, &motion, arguments.motion.all);
     let bar = progress::bar(arguments.files.len() as u64);
@@ -80,10 +80,21 @@ struct Job<'a> {
 impl Job<'_> {
     /// The ranges of a frame are reported even if its overlay cannot be written.
     fn range(&mut self, file: &Path, motion: &MotionInFrame<'_>, overlay: Option<&PathBuf>) -> Result<()> {
-        let Picture { image, unused_bits } = picture::load(file, &self.format)?;
+        let Picture { image, dump, unused_bits } = picture::load(file, &self.format)?;
         let name = file.display().to_string();
         let pixels = image.to_luma8();
-        let found = lines(&pixels, self.sequence.setup()).with_context(|| name.clone())?;
+        let setup = self.sequence.setup();
+        let found = match (self.format.raw, &dump) {
+            (Some(raw), Some(dump)) => {
+                lines(setup, |row| Some(raw.format.row(raw.row(dump, row)?, row))).with_context(|| name.clone())?
+            }
+            _ => {
+                let columns = pixels.width() as usize;
+                let start = |row: u16| usize::from(row) * columns;
+                lines(setup, |row| pixels.as_raw().get(start(row)..start(row) + columns))
+                    .with_context(|| name.clone())?
+            }
+        };
         let ranges = self.sequence.frame(motion, &found.lines)?;
         let hints = hints::of_pixels(&pixels, unused_bits);
         let frame = Frame::new(name, found.torn, &ranges, &found.counters, hints);
@@ -100,15 +111,12 @@ struct FoundLines {
 }
 
 /// Each frame has a new ranger, whose counters are then those of this frame alone.
-fn lines(pixels: &GrayImage, setup: &Setup<f64>) -> Result<FoundLines> {
+fn lines<P: Pixels>(setup: &Setup<f64>, pixels_of: impl Fn(u16) -> Option<P>) -> Result<FoundLines> {
     let mut ranger = Box::new(LargeRanger::new());
     let mut lines = Vec::new();
-    let columns = usize::from(setup.camera().intrinsics().columns);
     for rows_before in 0..setup.readout().rows() {
         let row = setup.readout().row_after(rows_before);
-        let start = usize::from(row) * columns;
-        let row_pixels = pixels.as_raw().get(start..start + columns);
-        ranger.row(setup, row, row_pixels.context("the picture is too small")?)?;
+        ranger.row(setup, row, pixels_of(row).context("the picture is too small")?)?;
         lines.extend(std::iter::from_fn(|| ranger.next_line()));
     }
     let torn = ranger.is_torn();

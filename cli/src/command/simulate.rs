@@ -5,6 +5,7 @@ use std::path::Path;
 
 use anyhow::{Context, Error, Result, anyhow, ensure};
 use image::{GrayImage, ImageFormat};
+use shutter_range::format::PixelFormat;
 use shutter_range::sim::{Exposure, Simulator};
 use shutter_range::{Camera, Distortion, Intrinsics, Motion, ParameterError, Response, Twist};
 
@@ -14,7 +15,7 @@ use crate::input::file_identity::FileIdentity;
 use crate::input::scene_file::{self, OBJECTS, SceneFile};
 use crate::input::setup::{self, SetupFile};
 use crate::output::progress;
-use crate::output::simulation_folder::{self, SCENE, SETUP, SimulationFolder, TRUTH};
+use crate::output::simulation_folder::{self, PNG, RAW, SCENE, SETUP, SimulationFolder, TRUTH};
 use crate::output::terminal;
 use crate::output::truth::{TruthDocument, TruthFrame};
 
@@ -115,8 +116,13 @@ fn render(
     for number in 0..arguments.frames {
         let start_s = f64::from(number) * interval_s;
         let simulator = simulator.clone().at_frame(number, (start_s * 1e9).round() as i64);
-        let name = simulation_folder::frame_name(number, arguments.frames);
-        folder.write(&name, &png(&picture(&simulator, file)?)?)?;
+        let extension = if arguments.raw.is_some() { RAW } else { PNG };
+        let name = simulation_folder::frame_name(number, arguments.frames, extension);
+        let content = match arguments.raw {
+            Some(format) => dump(&simulator, file, format)?,
+            None => png(&picture(&simulator, file)?)?,
+        };
+        folder.write(&name, &content)?;
         frames.push(TruthFrame::new(name, start_s, &simulator.motion()?, simulator.truth()));
         bar.inc(1);
     }
@@ -131,6 +137,18 @@ fn picture(simulator: &Simulator<'_, OBJECTS>, file: &SetupFile) -> Result<GrayI
         simulator.row(row, row_pixels);
     }
     GrayImage::from_raw(size.columns, size.rows, pixels).context("a frame of the camera's size")
+}
+
+/// The rows one after the other, as the sensor delivers them.
+fn dump(simulator: &Simulator<'_, OBJECTS>, file: &SetupFile, format: PixelFormat) -> Result<Vec<u8>> {
+    let (size, columns) = (file.size(), file.setup.camera().intrinsics().columns);
+    let row_bytes = format.row_bytes(columns);
+    let row_bytes = row_bytes.with_context(|| format!("rows of {format} must have a multiple of four pixels"))?;
+    let mut bytes = vec![0; row_bytes * size.rows as usize];
+    for (row, row_bytes) in (0..).zip(bytes.chunks_exact_mut(row_bytes)) {
+        simulator.row_in(row, format, row_bytes);
+    }
+    Ok(bytes)
 }
 
 fn png(picture: &GrayImage) -> Result<Vec<u8>> {

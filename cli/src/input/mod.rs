@@ -3,6 +3,7 @@
 pub(crate) mod nearest;
 pub(crate) mod bounds;
 pub(crate) mod size;
+pub(crate) mod raw_frame;
 pub(crate) mod file_identity;
 pub(crate) mod bounded_read;
 pub(crate) mod text_kind;

@@ -9,6 +9,7 @@ use image::{DynamicImage, GrayImage, ImageDecoder, ImageError, ImageFormat, Imag
 
 use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::grey_levels::{self, UnusedBits};
+use super::raw_frame::RawFrame;
 use super::size::Size;
 
 /// A plain PPM has three numbers of five digits, each with a space.
@@ -18,6 +19,8 @@ const MOST_BYTES_BESIDE_PIXELS: u64 = 64 * MEBIBYTE;
 
 pub(crate) struct Picture {
     pub(crate) image: DynamicImage,
+    /// The pixels as the sensor delivered them, if the file is a dump.
+    pub(crate) dump: Option<Vec<u8>>,
     /// Unless the file or the setup says how many bits its grey levels have.
     pub(crate) unused_bits: Option<UnusedBits>,
 }
@@ -27,7 +30,7 @@ pub(crate) struct Picture {
 pub(crate) struct PictureFormat {
     pub(crate) size: Size,
     /// The file is a plain dump of its pixels.
-    pub(crate) raw: bool,
+    pub(crate) raw: Option<RawFrame>,
     /// Significant bits of grey levels in a container of 16.
     pub(crate) bits: Option<u32>,
 }
@@ -43,9 +46,9 @@ pub(crate) fn stated_size(path: &Path) -> Result<Size> {
 /// The picture in a file.
 pub(crate) fn load(path: &Path, format: &PictureFormat) -> Result<Picture> {
     let size = format.size;
-    let picture = if format.raw {
-        let limit = Limit { bytes: size.pixels(), rule: &format!("--raw {size} must have") };
-        dump(bounded_read::read(path, &limit)?, size, &limit)
+    let picture = if let Some(raw) = format.raw {
+        let limit = Limit { bytes: raw.bytes(), rule: &format!("--raw {raw} must have") };
+        dump(bounded_read::read(path, &limit)?, &raw, &limit)
     } else {
         let bytes = size.pixels() * MOST_BYTES_PER_PIXEL + MOST_BYTES_BESIDE_PIXELS;
         let limit = Limit { bytes, rule: &format!("a picture of {size} pixels must have at most") };
@@ -54,11 +57,12 @@ pub(crate) fn load(path: &Path, format: &PictureFormat) -> Result<Picture> {
     picture.with_context(|| path.display().to_string())
 }
 
-fn dump(bytes: Vec<u8>, size: Size, limit: &Limit<'_>) -> Result<Picture> {
+fn dump(bytes: Vec<u8>, raw: &RawFrame, limit: &Limit<'_>) -> Result<Picture> {
     let found = bytes.len();
-    let picture = GrayImage::from_raw(size.columns, size.rows, bytes);
-    let picture = picture.with_context(|| format!("the file has {found} bytes, but {} {}", limit.rule, limit.bytes))?;
-    Ok(Picture { image: picture.into(), unused_bits: None })
+    ensure!(found as u64 == limit.bytes, "the file has {found} bytes, but {} {}", limit.rule, limit.bytes);
+    let picture =
+        GrayImage::from_raw(raw.size.columns, raw.size.rows, raw.grey(&bytes)).context("a frame of that size")?;
+    Ok(Picture { image: picture.into(), dump: Some(bytes), unused_bits: None })
 }
 
 fn decode(bytes: &[u8], expected: &PictureFormat) -> Result<Picture> {
@@ -82,10 +86,10 @@ fn decode(bytes: &[u8], expected: &PictureFormat) -> Result<Picture> {
         refuse_second_frame(bytes, reader.position() as usize)?;
     }
     if states_its_range(bytes) {
-        return Ok(Picture { image: picture, unused_bits: None });
+        return Ok(Picture { image: picture, dump: None, unused_bits: None });
     }
     let (image, unused_bits) = grey_levels::stretched(picture, expected.bits)?;
-    Ok(Picture { image, unused_bits })
+    Ok(Picture { image, dump: None, unused_bits })
 }
 
 /// A netpbm file says which level is white; the decoder has stretched its levels. One that fills its container says no

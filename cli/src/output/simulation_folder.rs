@@ -20,13 +20,14 @@ const COMPLETE: &str = ".simulated";
 pub(crate) const SETUP: &str = "setup.toml";
 pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const TRUTH: &str = "truth.json";
-const FRAME: (&str, &str) = ("frame-", ".png");
+const FRAME: &str = "frame-";
+pub(crate) const PNG: &str = ".png";
+pub(crate) const RAW: &str = ".raw";
 
 /// The name of a frame, of `frames` in all: alphabetical order is their order.
-pub(crate) fn frame_name(number: u32, frames: u32) -> String {
+pub(crate) fn frame_name(number: u32, frames: u32, extension: &str) -> String {
     let digits = frames.saturating_sub(1).to_string().len().max(4);
-    let (before, after) = FRAME;
-    format!("{before}{number:0digits$}{after}")
+    format!("{FRAME}{number:0digits$}{extension}")
 }
 
 pub(crate) struct SimulationFolder {
@@ -92,8 +93,7 @@ pub(crate) fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 fn is_of_simulation(name: &str) -> bool {
-    let (before, after) = FRAME;
-    let number = name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));
+    let number = name.strip_prefix(FRAME).and_then(|rest| rest.strip_suffix(PNG).or(rest.strip_suffix(RAW)));
     let is_frame =
         number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()));
     is_frame || [SETUP, SCENE, TRUTH].contains(&name)

@@ -55,6 +55,35 @@ fn grey_pictures() {
     assert_bands(&only(jpeg, &[]), 0.2);
 }
 
+/// As a sensor delivers it that makes two bytes of a pixel.
+#[test]
+fn dumps_in_other_formats() {
+    let png = only(png(painted()), &[]);
+    let grey = painted().into_raw();
+    let yuyv = grey.iter().flat_map(|level| [*level, 128]).collect();
+    let uyvy = grey.iter().flat_map(|level| [128, *level]).collect();
+    let wide = grey.iter().flat_map(|level| (u16::from(*level) << 2).to_le_bytes()).collect();
+    assert_eq!(only(grey.clone(), &["--raw", "640x480:gray8"]), png);
+    assert_eq!(only(yuyv, &["--raw", "640x480:yuyv"]), png);
+    assert_eq!(only(uyvy, &["--raw", "640x480:uyvy"]), png);
+    assert_eq!(only(wide, &["--raw", "640x480:gray10le"]), png);
+    // Of one colour as of two.
+    assert_bands(&only(grey, &["--raw", "640x480:bayer8"]), 0.05);
+}
+
+/// What the simulator dumps is what `frame` reads, in a format with fewer bytes than pixels have bits for.
+#[test]
+fn simulated_dumps() {
+    let folder = with_setup();
+    folder.run(&["simulate", "--setup", "setup.toml", "--out", "out", "--raw", "gray10p", "--json"]).json();
+    let dump = folder.read("out/frame-0000.raw");
+    assert_eq!(dump.len(), 640 * 480 / 4 * 5);
+    let options = ["out/frame-0000.raw", "--raw", "640x480:gray10p", "--json"];
+    let document = frame(&folder, &options).json();
+    let found = document["frames"][0]["ranges"].as_array().map_or(0, Vec::len);
+    assert!(found >= 4, "{document}");
+}
+
 #[test]
 fn formats_agree_to_the_last_digit() {
     let png = only(png(painted()), &[]);
@@ -265,6 +294,8 @@ fn usage_is_exit_code_2() {
         &["a.png", "--raw", "640"],
         &["a.png", "--raw", "640x0"],
         &["a.png", "--raw", "640x480x3"],
+        &["a.png", "--raw", "640x480:jpeg"],
+        &["a.png", "--raw", "642x480:gray10p"],
         &["a.png", "--overlay", "seen.jpg"],
         &["a.png", "--overlay", "a.png"],
         &["a.png", "--overlay", "./a.png"],
