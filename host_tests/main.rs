@@ -49,3 +49,4 @@ mod torn;
 mod tracking;
 mod trajectory;
 mod uncertainty;
+mod wander;
