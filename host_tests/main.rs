@@ -53,3 +53,4 @@ mod torn;
 mod tracking;
 mod trajectory;
 mod uncertainty;
+mod wander;

@@ -119,7 +119,6 @@ fn the_best_get_a_distance() {
 }
 
 #[test]
-#[ignore = "not reached: the median error is 4.3 %"]
 fn the_best_are_right() {
     let edges = class_a(exactly());
     let error = median(edges.iter().map(|edge| edge.relative_error().abs()).collect());
@@ -145,7 +144,6 @@ fn the_best_have_an_honest_sigma() {
 
 /// With all else known exactly: then the reference's own error shows, too.
 #[test]
-#[ignore = "not reached: RMS of error/sigma is 1.25"]
 fn the_best_have_an_honest_sigma_where_all_else_is_known() {
     assert_honest(exactly());
 }

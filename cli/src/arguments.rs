@@ -8,9 +8,9 @@ use shutter_range::format::PixelFormat;
 
 use crate::help;
 use crate::input::camera_file::CameraSource;
+use crate::input::raw_frame::RawFrame;
 use crate::input::setup::SetupSource;
 use crate::input::size::Size;
-use crate::input::raw_frame::RawFrame;
 
 /// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than far
 /// ones.

@@ -26,6 +26,7 @@ use super::prior::Prior;
 use super::sample::{Sample, Spread};
 use super::sensitivity::Sensitivity;
 use super::status::RangeStatus;
+use super::wander::{Residual, Stretch, Wander};
 use crate::error::FitError;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, cross, dot, hypot};
@@ -57,7 +58,7 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
-    let prior = Prior { state: None, blur: None };
+    let prior = Prior { state: None, blur: None, width_px: S::ONE };
     fit_with::<S, M, N>(setup, motion, samples, &prior).map(|fitted| fitted.estimate)
 }
 
@@ -76,7 +77,8 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     samples: impl IntoIterator<Item = Sample<S>>,
     prior: &Prior<S>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem { setup, prior, observations: observe_all::<S, M, N>(setup, motion, samples)? };
+    let (observations, stretches) = observe_all::<S, M, N>(setup, motion, samples)?;
+    let mut problem = Problem { setup, prior, observations, stretches };
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
     let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
     if problem.observations.len() < least {
@@ -96,12 +98,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
         solved = problem.settle(&solved.line3)?;
     }
     let goodness_of_fit = problem.goodness_of_fit(&solved);
-    if goodness_of_fit.inflation > S::ONE {
-        // The stated noise of the columns falls short of what they show; the priors stay as they are.
-        problem
-            .observations
-            .iter_mut()
-            .for_each(|observation| observation.sigma_px = observation.sigma_px * goodness_of_fit.inflation);
+    if problem.count_wander(&solved) {
         solved = problem.settle(&solved.line3)?;
     }
     let Solved { line3, solution, equations } = solved;
@@ -126,9 +123,9 @@ fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
-) -> Result<Vec<Observation<S>, N>, FitError> {
+) -> Result<(Vec<Observation<S>, N>, Vec<Stretch<S>, N>), FitError> {
     let roughness_px = setup.uncertainty().edge_roughness_px;
-    let mut observations = Vec::new();
+    let (mut observations, mut stretches) = (Vec::new(), Vec::new());
     for (index, sample) in samples.into_iter().enumerate() {
         let Spread { column_px, row_px, time_s } = sample.spread;
         let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
@@ -136,10 +133,12 @@ fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
             return Err(FitError::InvalidSample(index));
         }
         let seen = Observation::new(setup.camera(), motion, &sample).ok_or(FitError::InvalidSample(index))?;
-        let observation = seen.of_a_rough_edge(&sample, roughness_px);
+        let stretch = Stretch::of(&sample, seen.sigma_px, setup.readout());
+        let observation = Observation { sigma_px: stretch.rough_sigma_px(roughness_px), ..seen };
         observations.push(observation).map_err(|_| FitError::TooManySamples)?;
+        stretches.push(stretch).map_err(|_| FitError::TooManySamples)?;
     }
-    Ok(observations)
+    Ok((observations, stretches))
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -187,6 +186,7 @@ struct Problem<'a, S, const N: usize> {
     setup: &'a Setup<S>,
     prior: &'a Prior<S>,
     observations: Vec<Observation<S>, N>,
+    stretches: Vec<Stretch<S>, N>,
 }
 
 struct Solved<S, const N: usize> {
@@ -336,6 +336,26 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             observation.robust_scale = S::ONE;
         }
         leave_out
+    }
+
+    /// Gives the observations the sigmas that the residuals call for; the priors stay as they are. Whether any has changed.
+    fn count_wander(&mut self, solved: &Solved<S, N>) -> bool {
+        let mut residuals: Vec<_, N> = Vec::new();
+        let equations = solved.equations.observed.iter();
+        for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {
+            if observation.is_inlier {
+                let (deviation, sigma_px) = (solved.solution.deviation(equation), observation.sigma_px);
+                // There is room: as many as observations.
+                let _ = residuals.push(Residual { stretch: *stretch, sigma_px, deviation });
+            }
+        }
+        let roughness_px = self.setup.uncertainty().edge_roughness_px;
+        let wander = Wander::of(&residuals, roughness_px, self.prior.width_px);
+        let Some(wander) = wander.filter(|wander| !wander.is_none()) else { return false };
+        for (observation, stretch) in self.observations.iter_mut().zip(&self.stretches) {
+            observation.sigma_px = wander.sigma_px(stretch);
+        }
+        true
     }
 
     fn goodness_of_fit(&self, solved: &Solved<S, N>) -> GoodnessOfFit<S> {

@@ -13,6 +13,8 @@ mod line_state;
 mod blur;
 mod prior;
 mod goodness_of_fit;
+mod modes;
+mod wander;
 mod status;
 mod estimate;
 mod fit;

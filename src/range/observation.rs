@@ -2,12 +2,8 @@
 
 use super::sample::Sample;
 use crate::motion::Motion;
-use crate::scalar::{Scalar, add, cross, dot, hypot, scale, sub};
+use crate::scalar::{Scalar, add, cross, dot, scale, sub};
 use crate::setup::Camera;
-
-/// Rows over which the roughness of an edge is alike: real edges keep half of their correlation over six rows, which makes
-/// sixteen rows as good as one independent value.
-const ROUGHNESS_ROWS: i32 = 16;
 
 /// The ray of a sample: its direction, where it starts, and how it changes along the row.
 #[derive(Clone, Copy)]
@@ -52,19 +48,6 @@ impl<S: Scalar> Observation<S> {
             covariance: dot(m_change, half_change(after.position, before.position)),
             ..middle
         })
-    }
-
-    /// The same with the roughness of the edge as more noise. It is correlated along the edge: within a span of that length
-    /// averaging does not reduce it, and shorter spans share it with their neighbours.
-    pub(super) fn of_a_rough_edge(self, sample: &Sample<S>, roughness_px: S) -> Self {
-        if roughness_px == S::ZERO {
-            return self;
-        }
-        // n rows have a variance of n²/12.
-        let rows = sample.spread.row_px * S::from_i32(12).sqrt();
-        let length = S::from_i32(ROUGHNESS_ROWS);
-        let shared = if rows > S::ZERO && rows < length { (length / rows).sqrt() } else { S::ONE };
-        Self { sigma_px: hypot(self.sigma_px, roughness_px * shared), ..self }
     }
 
     /// The ray so many standard deviations along the sample's span; `None` where the lens model has none.

@@ -14,6 +14,8 @@ pub(crate) struct Prior<S> {
     /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
     pub(crate) state: Option<LineState<S>>,
     pub(crate) blur: Option<BlurMeasurement<S>>,
+    /// Blur of the edge, one sigma in pixels.
+    pub(crate) width_px: S,
 }
 
 impl<S: Scalar> Prior<S> {

@@ -71,7 +71,8 @@ impl<S: Scalar> Range<S> {
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
         let blur_enters = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
-        let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters) };
+        let width_px = line.mean_width_px().unwrap_or(S::ONE);
+        let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters), width_px };
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
                 range.fill(setup, motion, line, &fitted, earlier.is_none());
