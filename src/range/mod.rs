@@ -29,6 +29,7 @@ pub use lens_blur::LensBlur;
 pub(crate) use line_state::LineState;
 pub(crate) use line3::Line3;
 pub(crate) use observation::Observation;
+pub(crate) use prior::SampleSet;
 pub use range::Range;
 pub use sample::{Sample, Spread};
 pub(crate) use shared_error::SharedError;
