@@ -22,7 +22,7 @@ use super::least_squares::{Solution, solve};
 use super::line_state::LineState;
 use super::line3::Line3;
 use super::observation::Observation;
-use super::prior::Prior;
+use super::prior::{Prior, SampleSet};
 use super::sample::{Sample, Spread};
 use super::sensitivity::Sensitivity;
 use super::status::RangeStatus;
@@ -58,7 +58,7 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
-    let prior = Prior { state: None, blur: None, width_px: S::ONE };
+    let prior = Prior { state: None, blur: None, width_px: S::ONE, left_out: SampleSet::default() };
     fit_with::<S, M, N>(setup, motion, samples, &prior).map(|fitted| fitted.estimate)
 }
 
@@ -79,10 +79,14 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
 ) -> Result<Fitted<S, N>, FitError> {
     let (observations, stretches) = observe_all::<S, M, N>(setup, motion, samples)?;
     let mut problem = Problem { setup, prior, observations, stretches };
+    for (place, observation) in problem.observations.iter_mut().enumerate() {
+        observation.is_inlier = !prior.left_out.contains(place);
+    }
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
     let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
-    if problem.observations.len() < least {
-        return Err(FitError::TooFewSamples(problem.observations.len()));
+    let inliers = problem.observations.iter().filter(|observation| observation.is_inlier).count();
+    if inliers < least {
+        return Err(FitError::TooFewSamples(inliers));
     }
     // The problem is linear but for tilt, blur, weights and the noise in q, which the first round leaves out.
     let start = match &prior.state {

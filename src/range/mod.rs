@@ -33,6 +33,7 @@ pub use lens_blur::LensBlur;
 pub(crate) use line_state::LineState;
 pub(crate) use line3::Line3;
 pub(crate) use observation::Observation;
+pub(crate) use prior::SampleSet;
 pub use range::Range;
 pub(crate) use range::column_at;
 pub use sample::{Sample, Spread};

@@ -16,6 +16,26 @@ pub(crate) struct Prior<S> {
     pub(crate) blur: Option<BlurMeasurement<S>>,
     /// Blur of the edge, one sigma in pixels.
     pub(crate) width_px: S,
+    /// Samples that are known to be those of something else.
+    pub(crate) left_out: SampleSet,
+}
+
+/// A set of a line's samples by their places; those beyond the 64th are in no set.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SampleSet(u64);
+
+impl SampleSet {
+    pub(crate) fn insert(&mut self, place: usize) {
+        self.0 |= Self::bit(place);
+    }
+
+    pub(crate) fn contains(self, place: usize) -> bool {
+        self.0 & Self::bit(place) != 0
+    }
+
+    fn bit(place: usize) -> u64 {
+        u32::try_from(place).ok().and_then(|place| 1_u64.checked_shl(place)).unwrap_or(0)
+    }
 }
 
 impl<S: Scalar> Prior<S> {

@@ -7,7 +7,7 @@ use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::line3::Line3;
 use super::observation::Observation;
-use super::prior::Prior;
+use super::prior::{Prior, SampleSet};
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
 use crate::edge::{EdgePoint, Polarity};
@@ -55,7 +55,7 @@ impl<S: Scalar> Range<S> {
     /// *Cost*: a [`fit`](crate::fit) over the line's knots and a few rays.
     #[must_use]
     pub fn from_line<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
-        Self::continued(setup, motion, line, None).0
+        Self::continued(setup, motion, line, None, SampleSet::default()).0
     }
 
     /// The range of a line of which earlier frames may have told something, and what is known of it now; nothing where
@@ -65,6 +65,7 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
         earlier: Option<LineState<S>>,
+        left_out: SampleSet,
     ) -> (Self, Option<LineState<S>>) {
         let mut range = Self::unfitted(line);
         let blur = BlurMeasurement::of_line(setup, motion, line);
@@ -72,7 +73,7 @@ impl<S: Scalar> Range<S> {
         // same, and parallax tells far more.
         let blur_enters = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
-        let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters), width_px };
+        let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters), width_px, left_out };
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
                 range.fill(setup, motion, line, &fitted, earlier.is_none());

@@ -29,8 +29,12 @@ impl<S: Scalar> Extent<S> {
         self.to.min(other.to) - self.from.max(other.from)
     }
 
-    pub(super) fn overlaps(&self, other: &Self) -> bool {
-        self.common(other) > S::ZERO
+    pub(super) fn ends(&self) -> [S; 2] {
+        [self.from, self.to]
+    }
+
+    pub(super) fn contains(&self, place: S) -> bool {
+        place >= self.from && place <= self.to
     }
 
     /// Whether half of the shorter one belongs to the longer one, too: two fragments of one contour above each other are two

@@ -1,12 +1,14 @@
 //! [`Landmark`]: an edge of earlier frames, and where this frame should show it.
 
 use super::extent::Extent;
+use super::gate::{Comparison, GATE_SIGMAS, sigma_px};
+use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use crate::edge::Polarity;
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::range::{Covariance, LineState, Observation, Range, RangeStatus, Sample};
-use crate::scalar::{Scalar, cross, dot, hypot};
+use crate::range::{Covariance, Line3, LineState, Observation, Range, RangeStatus, Sample, SampleSet};
+use crate::scalar::{NS_PER_S, Scalar, hypot};
 use crate::setup::Setup;
 
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +22,16 @@ pub(crate) struct Landmark<S> {
     pub(crate) missed: u16,
     /// Frames that must still agree before it counts as static again, after it was where a static edge cannot be.
     pub(crate) hold_off: u16,
-    /// No single frame has shown it well enough to be told.
-    pub(crate) is_weak: bool,
+    /// The frames so far may agree by chance: it is not told.
+    pub(crate) is_tentative: bool,
+    /// How many lines of this frame run beside it as it would.
+    pub(crate) parallel_lines: u16,
+    /// How often lines that have nothing to do with each other agree as well as those of its frames, for each line that
+    /// begins.
+    pub(crate) chance: S,
+    /// Middle of the columns where this frame should show it, and how far from there a line of it may begin or end.
+    pub(crate) column_px: S,
+    pub(crate) reach_px: S,
     /// The best line of this frame so far.
     pub(crate) matched: Option<Match<S>>,
     pub(crate) state: LineState<S>,
@@ -29,80 +39,98 @@ pub(crate) struct Landmark<S> {
     pub(crate) extent: Extent<S>,
 }
 
-/// A line of this frame, by its place in the table that it comes from, and its distance from the prediction in pixels.
+/// A line of this frame, by its place in the table that it comes from.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Match<S> {
     pub(crate) place: u32,
-    pub(crate) distance: S,
+    /// See [`Comparison::cost`].
+    pub(crate) cost: S,
+    /// Half the width of the band around the prediction in which the line was to be expected, or was found, in pixels.
+    pub(crate) band_px: S,
     /// It lies where a static edge cannot be.
     pub(crate) has_moved: bool,
 }
 
-/// A line of this frame at its ends and in its middle.
-pub(crate) struct LineObservation<S> {
-    pub(crate) polarity: Polarity,
-    pub(crate) ends: [Observation<S>; 2],
-    middle: Observation<S>,
-}
-
-/// Width of the gate beyond four sigma of the prediction, in pixels: rows have noise, and real edges bend a little.
-const GATE_PX: i32 = 3;
 /// Error of a line's own column, in tenths of a pixel.
 const COLUMN_DECIPIXELS: i32 = 1;
 /// A line more sigmas off than this is not where a static edge can be.
 const STATIC_SIGMAS: i32 = 5;
 /// Frames in a row that must agree with a static edge before one that has moved counts as static again.
 const HOLD_OFF_FRAMES: u16 = 30;
-/// Two edges nearer than this shift each other's columns.
-const NEAR_PX: i32 = 8;
 /// Frames that must agree on an edge that no single one shows well.
 const TELLING_FRAMES: u32 = 3;
-
-impl<S: Scalar> LineObservation<S> {
-    /// `None` for a line without samples, or outside the lens model.
-    pub(crate) fn new<M: Motion<S>, const KNOTS: usize>(
-        setup: &Setup<S>,
-        motion: &M,
-        line: &Line<KNOTS>,
-    ) -> Option<Self> {
-        let observation = |sample: Sample<S>| Observation::new(setup.camera(), motion, &sample);
-        let samples = || line.samples::<S>();
-        Some(Self {
-            polarity: line.first().polarity,
-            ends: [observation(samples().next()?)?, observation(samples().last()?)?],
-            middle: observation(samples().nth(samples().count() / 2)?)?,
-        })
-    }
-}
+/// Parts of an edge wander from its line, one sigma as a part of a pixel: 0.1 px in the median of real edges, 0.21 px in one
+/// of ten.
+const WANDER_PARTS_PX: i32 = 4;
+/// Half the width of the strip beside a prediction in which parallel lines are counted.
+const STRIP_PX: i32 = 32;
 
 impl<S: Scalar> Landmark<S> {
+    /// An edge that one frame has shown.
+    pub(crate) fn new(id: u32, polarity: Polarity, is_tentative: bool, state: LineState<S>, extent: Extent<S>) -> Self {
+        Self {
+            id,
+            polarity,
+            frames: 1,
+            missed: 0,
+            hold_off: 0,
+            is_tentative,
+            parallel_lines: 0,
+            chance: S::ONE,
+            column_px: S::ZERO,
+            reach_px: S::ZERO,
+            // No line that is still to be taken has this place.
+            matched: Some(Match { place: u32::MAX, cost: S::ZERO, band_px: S::ZERO, has_moved: false }),
+            state,
+            extent,
+        }
+    }
+
     /// How well a line matches this edge; `None` where it cannot be the same.
     pub(crate) fn match_with(
-        &self,
+        &mut self,
         setup: &Setup<S>,
         place: u32,
         observation: &LineObservation<S>,
+        is_first_offer: bool,
     ) -> Option<Match<S>> {
-        if self.polarity != observation.polarity {
+        if self.polarity != observation.polarity || !self.extent.is_same_part(&self.extent_of(observation)?) {
             return None;
         }
-        let state = &self.state;
-        let total = state.sensitivity.total(state.covariance, setup, state.line3.bearing);
-        let distance_of = |observation: &Observation<S>| {
-            let (innovation, sigma) = self.innovation(&total, observation)?;
-            let gate = S::from_i32(GATE_PX) + sigma * S::from_i32(4);
-            // Between two that fit, the smaller sigma wins.
-            (innovation.abs() <= gate).then(|| hypot(sigma, innovation))
+        let comparison = Comparison::of(&self.state.line3, &self.total(setup), observation)?;
+        let distance = comparison.middle_px.abs();
+        if is_first_offer && comparison.is_parallel && distance < S::from_i32(STRIP_PX) {
+            self.parallel_lines = self.parallel_lines.saturating_add(1);
+        }
+        let gate = S::from_i32(GATE_SIGMAS * GATE_SIGMAS);
+        let sigma = hypot(comparison.sigma_middle_px, S::ratio(COLUMN_DECIPIXELS, 10));
+        let has_moved = distance > sigma * S::from_i32(STATIC_SIGMAS);
+        // Where no edge is known yet, none can have moved.
+        let fits = comparison.square <= gate && !(self.is_tentative && has_moved);
+        fits.then_some(Match { place, cost: comparison.cost, band_px: distance.max(sigma), has_moved })
+    }
+
+    /// Prepares for the lines of a frame: where it should show the edge.
+    pub(crate) fn predict<M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M) {
+        self.matched = None;
+        self.parallel_lines = 0;
+        let total = self.total(setup);
+        let line3 = &self.state.line3;
+        let ends = self.extent.ends().map(|place| predicted(setup, motion, line3, place));
+        let wide = |end: &Sample<S>| {
+            let observation = Observation::new(setup.camera(), motion, end)?;
+            sigma_px(line3, &total, &observation)
         };
-        if !self.extent.is_same_part(&self.extent_of(observation)?) {
-            return None;
-        }
-        let [first, last] = &observation.ends;
-        let distance = hypot(distance_of(first)?, distance_of(last)?);
-        let (innovation, sigma) = self.innovation(&total, &observation.middle)?;
-        let most = hypot(sigma, S::ratio(COLUMN_DECIPIXELS, 10)) * S::from_i32(STATIC_SIGMAS);
-        Some(Match { place, distance, has_moved: innovation.abs() > most })
+        let [first, last] = &ends;
+        let half = S::ratio(1, 2);
+        let wander = ends.iter().filter_map(wide).fold(S::ONE, S::max) * S::from_i32(GATE_SIGMAS);
+        self.column_px = (first.column_px + last.column_px) * half;
+        self.reach_px = (first.column_px - last.column_px).abs() * half + wander.max(S::from_i32(STRIP_PX));
+    }
+
+    fn total(&self, setup: &Setup<S>) -> Covariance<S> {
+        self.state.sensitivity.total(self.state.covariance, setup, self.state.line3.bearing)
     }
 
     /// Ranges a line that is this edge, with what earlier frames have told, and updates the state.
@@ -113,10 +141,12 @@ impl<S: Scalar> Landmark<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
+        left_out: SampleSet,
     ) -> Range<S> {
-        let has_moved = self.matched.is_some_and(|matched| matched.has_moved);
+        let Some(matched) = self.matched else { return Range::from_line(setup, motion, line) };
+        let has_moved = matched.has_moved;
         let earlier = (!has_moved).then_some(self.state);
-        let (range, state) = Range::continued(setup, motion, line, earlier);
+        let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
         match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
                 self.state = state;
@@ -124,6 +154,8 @@ impl<S: Scalar> Landmark<S> {
                 self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
                 self.frames = if has_moved { 1 } else { self.frames.saturating_add(1) };
                 self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
+                let expected = S::from_i32(self.parallel_lines.max(1).into()) * matched.band_px / S::from_i32(STRIP_PX);
+                self.chance = self.chance * expected.min(S::ONE);
             }
             // The line says nothing: as if it were hidden.
             None => self.matched = None,
@@ -131,21 +163,30 @@ impl<S: Scalar> Landmark<S> {
         range
     }
 
-    /// A range of this edge under its name; no distance until it counts as static again.
-    pub(crate) fn name(&self, range: Range<S>) -> Range<S> {
-        range.named(self.id, self.frames, self.hold_off > 0, self.is_weak && self.frames < TELLING_FRAMES)
+    /// A range of this edge under its name; no distance until it counts as static again, nor until the frames agree better
+    /// than by chance.
+    pub(crate) fn name(&mut self, range: Range<S>, most_chance: S) -> Range<S> {
+        self.is_tentative &= self.frames < TELLING_FRAMES || self.chance > most_chance;
+        range.named(self.id, self.frames, self.hold_off > 0, self.is_tentative)
     }
 
-    /// Whether a line lies so near to the predicted edge that the two shift each other.
-    pub(crate) fn is_near(&self, observation: &LineObservation<S>) -> bool {
-        if !self.extent_of(observation).is_some_and(|extent| self.extent.overlaps(&extent)) {
-            return false;
-        }
-        let near = S::from_i32(NEAR_PX);
-        let mut observations = observation.ends.iter().chain([&observation.middle]);
-        observations.any(|observation| {
-            self.state.line3.residual_px(observation).is_some_and(|innovation| innovation.abs() < near)
-        })
+    /// Whether an observation of another line lies so near to the predicted edge that the two shift each other.
+    pub(crate) fn is_near(&self, observation: &Observation<S>, near_px: S) -> bool {
+        let line3 = &self.state.line3;
+        self.extent.contains(line3.along(observation))
+            && line3.residual_px(observation).is_some_and(|innovation| innovation.abs() < near_px)
+    }
+
+    /// Whether a sample of this frame's line of a static edge lies where the edge cannot be: the line runs on past it.
+    pub(crate) fn is_off(&self, setup: &Setup<S>, observation: &Observation<S>) -> bool {
+        let line3 = &self.state.line3;
+        let is_static = self.matched.is_some_and(|matched| !matched.has_moved);
+        let sigma = sigma_px(line3, &self.total(setup), observation);
+        is_static
+            && line3.residual_px(observation).zip(sigma).is_some_and(|(off, sigma)| {
+                let sigma = hypot(hypot(sigma, observation.sigma_px), S::ratio(1, WANDER_PARTS_PX));
+                off.abs() > sigma * S::from_i32(GATE_SIGMAS)
+            })
     }
 
     /// Which part of this edge a line of this frame covers.
@@ -153,26 +194,34 @@ impl<S: Scalar> Landmark<S> {
         Extent::between(&self.state.line3, &observation.ends)
     }
 
-    /// How far along the row an observation lies from the prediction, and one sigma of that, in pixels.
-    fn innovation(&self, total: &Covariance<S>, observation: &Observation<S>) -> Option<(S, S)> {
-        let line3 = &self.state.line3;
-        let innovation = line3.residual_px(observation)?;
-        let m = cross(observation.direction, line3.direction());
-        let per_px = line3.offset(cross(observation.along_row, line3.direction()), observation);
-        let [mx, _, _] = m;
-        let across = line3.offset(cross(observation.direction, line3.lean), observation);
-        let sensitivity = [mx, -dot(m, observation.position), across].map(|part| part / per_px);
-        let none = [S::ZERO; 3];
-        let [sigma, _, _] = total.through([sensitivity, none, none]).sigma;
-        let sigma = hypot(sigma, observation.sigma_px);
-        (innovation.is_finite() && sigma.is_finite()).then_some((innovation, sigma))
-    }
-
     /// The same at the start of the next frame; `None` where the edge is beside or behind the camera then.
     pub(crate) fn propagated(self, setup: &Setup<S>, transition: &FrameTransition<S>) -> Option<Self> {
         let extent = self.extent.propagated(&self.state.line3, transition)?;
         Some(Self { state: self.state.propagated(setup, transition)?, matched: None, extent, ..self })
     }
+}
+
+/// Where a frame should show a place along an edge; beside the image, the nearest place in it.
+fn predicted<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, line3: &Line3<S>, place: S) -> Sample<S> {
+    let camera = setup.camera();
+    let image = camera.intrinsics();
+    let [down_x, down_y, down_z] = line3.direction();
+    let depth = (S::ONE + place * down_z).max(S::ratio(1, 10));
+    let (column_px, row_px) = camera.pixel((line3.bearing + place * down_x) / depth, place * down_y / depth);
+    let inside = |value: S, size: u16| {
+        let most = S::from_i32(i32::from(size) - 1);
+        if value.is_finite() { value.max(S::ZERO).min(most) } else { most * S::ratio(1, 2) }
+    };
+    let row_px = inside(row_px, image.rows);
+    let seconds = |row: u16| S::from_ratio(setup.readout().row_time_ns(row), NS_PER_S);
+    let (first_s, last_s) = (seconds(0), seconds(image.rows.saturating_sub(1)));
+    let time_s = first_s + (last_s - first_s) * (row_px / S::from_i32(i32::from(image.rows.max(2)) - 1));
+    let mut sample = Sample::point(inside(column_px, image.columns), row_px, time_s, S::ONE);
+    // The camera has moved since frame start.
+    if let Some(off_px) = Observation::new(camera, motion, &sample).and_then(|seen| line3.residual_px(&seen)) {
+        sample.column_px = inside(sample.column_px - off_px, image.columns);
+    }
+    sample
 }
 
 /// Whether a line with this status says where the edge is.

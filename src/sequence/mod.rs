@@ -2,6 +2,8 @@
 
 mod propagation;
 mod extent;
+mod line_observation;
+mod gate;
 mod landmark;
 mod sequence;
 
