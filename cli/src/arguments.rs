@@ -10,7 +10,6 @@ use crate::help;
 use crate::input::camera_file::CameraSource;
 use crate::input::raw_frame::RawFrame;
 use crate::input::setup::SetupSource;
-use crate::input::size::Size;
 
 /// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than far
 /// ones.
@@ -92,9 +91,9 @@ pub(crate) struct FlickerArgs {
     /// Frame rate of the camera, which bounds the readout where the lamp flickers faster than the rows
     #[arg(long, value_name = "HZ", value_parser = above_zero)]
     pub(crate) frame_rate_hz: Option<f64>,
-    /// The files are dumps of 8-bit grey pixels without a header, row by row from the top
-    #[arg(long, value_name = "WIDTHxHEIGHT")]
-    pub(crate) raw: Option<Size>,
+    /// The files are dumps of pixels without a header, row by row from the top; their format is gray8 unless stated
+    #[arg(long, value_name = "WIDTHxHEIGHT[:FORMAT]")]
+    pub(crate) raw: Option<RawFrame>,
     /// Draw the bands of the first two frames
     #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
     pub(crate) svg: Option<PathBuf>,

@@ -47,11 +47,11 @@ pub(crate) struct Outcome {
 pub(crate) fn measure(arguments: &FlickerArgs) -> Result<Outcome> {
     let Some(first) = arguments.files.first() else { bail!("there is no frame") };
     let size = match arguments.raw {
-        Some(size) => size,
+        Some(raw) => raw.size,
         None => picture::stated_size(first)?,
     };
     ensure!(size.rows as usize <= ROWS, "the frames have {} rows, but must have at most {ROWS}", size.rows);
-    let format = PictureFormat { size, raw: arguments.raw.is_some(), bits: None };
+    let format = PictureFormat { size, raw: arguments.raw, bits: None };
     let mut meter = Box::new(meter(arguments, size)?);
     let mut means_q8 = Vec::new();
     for file in &arguments.files {

@@ -8,7 +8,7 @@ use shutter_range::plan::{CameraMode, Choice, PixelNoise, Planner, Prediction, R
 use shutter_range::{ErrorSource, ParameterError};
 
 use crate::arguments::PlanArgs;
-use crate::input::setup;
+use crate::input::setup::{self, SetupSource};
 use crate::output::chart::{Axis, Chart};
 use crate::output::report;
 use crate::output::text_table::{Colour, TextTable};
@@ -59,7 +59,7 @@ struct Part {
 }
 
 pub(crate) fn plan(arguments: &PlanArgs) -> Result<Document> {
-    let setups: Vec<_> = arguments.setups.iter().map(|path| setup::load(path)).collect::<Result<_>>()?;
+    let setups: Vec<_> = arguments.setups.iter().map(|path| setup::load(SetupSource { path, camera: None, has_trajectory: false })).collect::<Result<_>>()?;
     let noise = PixelNoise { read_noise: arguments.read_noise, shot_gain: arguments.shot_gain };
     let modes: Vec<_> = setups.iter().map(|file| CameraMode::new(file.setup, noise)).collect::<Result<_, _>>()?;
     let target = target(arguments);
