@@ -21,6 +21,7 @@ mod fit;
 mod range;
 mod display;
 mod lens_blur;
+mod post;
 
 pub use blur::LensBlurMeasurement;
 pub use budget::{Budget, ErrorSource};
@@ -31,6 +32,7 @@ pub use lens_blur::LensBlur;
 pub(crate) use line_state::LineState;
 pub(crate) use line3::Line3;
 pub(crate) use observation::Observation;
+pub use post::Post;
 pub use range::Range;
 pub use sample::{Sample, Spread};
 pub(crate) use shared_error::SharedError;
