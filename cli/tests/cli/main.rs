@@ -6,6 +6,7 @@ mod frames;
 mod full_disks;
 mod help;
 mod hints;
+mod jpeg;
 mod limits;
 mod overlays;
 mod painting;
