@@ -128,6 +128,7 @@ mod line;
 mod range;
 pub mod rse;
 mod ranger;
+mod report;
 mod sequence;
 
 // Before and beside the way: what to tell it, and what to expect of it.
@@ -144,10 +145,11 @@ pub use error::{
 pub use line::{Counters, Line, OutOfOrder};
 pub use motion::{FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Twist};
 pub use range::{
-    Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Range, RangeStatus, Sample, Sigmas, Spread,
-    fit,
+    Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Post, Range, RangeStatus, Sample, Sigmas,
+    Spread, fit,
 };
 pub use ranger::{BoardRanger, DesktopRanger, Ranger, SmallRanger};
+pub use report::{FrameReport, PixelReport, Share, Suspicion};
 #[cfg(feature = "micromath")]
 pub use scalar::Micro;
 #[cfg(feature = "fixed")]

@@ -149,18 +149,24 @@ impl<S: Scalar> Estimate<S> {
         (self.sigma_inverse_depth_per_m / self.inverse_depth_per_m).abs()
     }
 
-    fn interval(&self, Sigmas(sigmas): Sigmas<S>, factor: S) -> Interval<S> {
-        let (rho, sigma) = (self.inverse_depth_per_m, self.sigma_inverse_depth_per_m);
+    fn interval(&self, sigmas: Sigmas<S>, factor: S) -> Interval<S> {
+        let inverse = (self.inverse_depth_per_m, self.sigma_inverse_depth_per_m);
+        Interval::of_inverse(inverse, self.status(), sigmas, factor)
+    }
+}
+
+impl<S: Scalar> Interval<S> {
+    /// Of a length that is `factor` over an inverse depth with its sigma.
+    pub(super) fn of_inverse((rho, sigma): (S, S), status: RangeStatus, Sigmas(sigmas): Sigmas<S>, factor: S) -> Self {
         let length = |inverse: S| {
             let length = factor / inverse;
             (inverse > S::ZERO && length.is_finite()).then_some(length)
         };
-        let status = self.status();
         if !status.bounds_depth() {
-            return Interval::NONE;
+            return Self::NONE;
         }
         let estimate = if status == RangeStatus::Ok { length(rho) } else { None };
-        Interval {
+        Self {
             estimate_m: estimate.map(|length| (length, length * (sigma / rho))),
             nearest_m: length(rho + sigma * sigmas),
             farthest_m: length(rho - sigma * sigmas),

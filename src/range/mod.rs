@@ -21,6 +21,7 @@ mod fit;
 mod range;
 mod display;
 mod lens_blur;
+mod post;
 
 pub use blur::LensBlurMeasurement;
 pub use budget::{Budget, ErrorSource};
@@ -33,6 +34,7 @@ pub use lens_blur::LensBlur;
 pub(crate) use line_state::LineState;
 pub(crate) use line3::Line3;
 pub(crate) use observation::Observation;
+pub use post::Post;
 pub(crate) use prior::SampleSet;
 pub use range::Range;
 pub(crate) use range::column_at;

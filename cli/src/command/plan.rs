@@ -59,7 +59,11 @@ struct Part {
 }
 
 pub(crate) fn plan(arguments: &PlanArgs) -> Result<Document> {
-    let setups: Vec<_> = arguments.setups.iter().map(|path| setup::load(SetupSource { path, camera: None, has_trajectory: false })).collect::<Result<_>>()?;
+    let setups: Vec<_> = arguments
+        .setups
+        .iter()
+        .map(|path| setup::load(SetupSource { path, camera: None, has_trajectory: false }))
+        .collect::<Result<_>>()?;
     let noise = PixelNoise { read_noise: arguments.read_noise, shot_gain: arguments.shot_gain };
     let modes: Vec<_> = setups.iter().map(|file| CameraMode::new(file.setup, noise)).collect::<Result<_, _>>()?;
     let target = target(arguments);

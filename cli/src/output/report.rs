@@ -1,10 +1,9 @@
 //! Frames and their ranges as they are reported. Names and their order are an interface: scripts read them as JSON.
 
 use serde::{Serialize, Serializer};
-use shutter_range::{Counters, ErrorSource, Polarity, Range, RangeStatus, Sigmas};
+use shutter_range::{Counters, ErrorSource, Polarity, Post, Range, RangeStatus, Sigmas};
 
 use crate::ranging::frame_sequence::FrameRanges;
-use crate::ranging::post::Post;
 
 #[derive(Serialize)]
 pub(crate) struct Document {
@@ -82,16 +81,16 @@ impl Frame {
             // No component is "-0".
             gravity: [x + 0.0, y + 0.0, z + 0.0],
             sigma_gravity_deg: found.sigma_gravity_rad.to_degrees(),
-            hints: hints.into_iter().chain(found.hint.clone()).collect(),
+            hints: hints.into_iter().chain(found.suspicion.map(|suspicion| suspicion.to_string())).collect(),
         }
     }
 }
 
 impl RangeReport {
-    fn new(range: &Range<f64>, post: Option<Post>) -> Self {
+    fn new(range: &Range<f64>, post: Option<Post<f64>>) -> Self {
         const BOUNDS: Sigmas<f64> = Sigmas(2.0);
         let (estimate, depth) = (&range.estimate, range.depth(BOUNDS));
-        let middle = post.and_then(|post| post.distance_m);
+        let middle = post.and_then(|post| post.distance(BOUNDS).estimate_m);
         Self {
             bearing: estimate.bearing,
             inverse_depth_per_m: estimate.inverse_depth_per_m,

@@ -1,11 +1,11 @@
 //! [`FrameSequence`]: ranges of frame after frame, each on its own or all as one sequence.
 
 use anyhow::Result;
-use shutter_range::{LensBlur, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Sequence, Setup};
+use shutter_range::{
+    FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Sequence, Setup, Suspicion,
+};
 
 use super::camera_motion::{CameraMotion, MotionInFrame};
-use super::hints;
-use super::post::{self, Post};
 use super::tracking::KNOTS;
 use crate::input::setup::SetupFile;
 
@@ -30,11 +30,11 @@ pub(crate) struct FrameRanges {
     /// Points of tentative lines, which are not told.
     pub(crate) untold_points: u32,
     /// For each range the post that it is a side of, if there is one.
-    pub(crate) posts: Vec<Option<Post>>,
+    pub(crate) posts: Vec<Option<Post<f64>>>,
     /// The direction of down that was used.
     pub(crate) gravity: [f64; 3],
     pub(crate) sigma_gravity_rad: f64,
-    pub(crate) hint: Option<String>,
+    pub(crate) suspicion: Option<Suspicion>,
 }
 
 impl FrameSequence {
@@ -72,12 +72,14 @@ impl FrameSequence {
         let is_told = |range: &Range<f64>| tells_tentative || range.status != RangeStatus::Tentative;
         let (mut ranges, untold): (Vec<_>, Vec<_>) = self.ranges(motion, lines)?.into_iter().partition(is_told);
         ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
+        let mut report = FrameReport::new();
+        ranges.iter().for_each(|range| report.add(range));
         Ok(FrameRanges {
             untold_points: untold.iter().map(|range| u32::from(range.points)).sum(),
-            posts: post::posts(&ranges),
+            posts: (0..ranges.len()).map(|index| Post::of(&ranges, index)).collect(),
             gravity: motion.gravity(),
             sigma_gravity_rad: self.setup.uncertainty().sigma_gravity,
-            hint: hints::of_ranges(&ranges, &self.setup),
+            suspicion: report.suspicion(&self.setup),
             ranges,
         })
     }

@@ -4,6 +4,5 @@ pub(crate) mod stamps;
 pub(crate) mod tracking;
 pub(crate) mod frame_starts;
 pub(crate) mod camera_motion;
-pub(crate) mod post;
 pub(crate) mod hints;
 pub(crate) mod frame_sequence;

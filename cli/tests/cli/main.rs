@@ -9,6 +9,7 @@ mod frames;
 mod full_disks;
 mod help;
 mod hints;
+mod jpeg;
 mod limits;
 mod mounts;
 mod overlays;
