@@ -18,6 +18,7 @@ mod flicker;
 mod forward_motion;
 mod frames;
 mod harness;
+mod imu;
 mod journey;
 mod knots;
 mod least_squares;
