@@ -19,6 +19,7 @@ mod forward_motion;
 mod formats;
 mod frames;
 mod harness;
+mod imu;
 mod journey;
 mod knots;
 mod least_squares;

@@ -197,10 +197,10 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Within 15 % of what is measured; of some 240 edges, whose root mean square is known to 5 %, and to 7 % where both edges of a
+/// Within 15 % of what is measured; of some 160 edges, whose root mean square is known to 6 %, and to 8 % where both edges of a
 /// post share errors.
 fn check(case: &Case, uncertainty: Uncertainty<f64>) {
-    const FRAMES: u64 = 120;
+    const FRAMES: u64 = 80;
     let outcome = case.measure(uncertainty, FRAMES);
     let (count, ratio) = (outcome.errors.len(), rms(&outcome.errors));
     println!("{}: {count} edges, {} missed, measured/predicted {ratio:.3}", case.name, outcome.missed);

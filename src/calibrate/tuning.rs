@@ -41,3 +41,12 @@ pub(super) const REWEIGHTING_ROUNDS: usize = 16;
 /// Passes that fit worse than this many times their stated sigmas contradict each other: a sign, a unit or a column is wrong.
 /// Speeds that are ten times worse known than stated still pass (`contradictory_passes`).
 pub(super) const MOST_MISFIT: i32 = 10;
+
+/// What is known beforehand of a gyroscope's clock, one sigma: 0.1 s. More has to be found in the driver (`at_rest_there_is_roll_and_no_offset`).
+pub(super) const OFFSET_PRIOR: (i32, i32) = (1, 10);
+
+/// Lines that lean by more than 15° are no upright edges (`leaning_bars_are_left_out`).
+pub(super) const STEEP: (i32, i32) = (268, 1000);
+
+/// Leans that remain beyond so many times what was stated follow neither clock nor gravity (`a_wrong_sign_is_inconsistent`).
+pub(super) const MOST_IMU_MISFIT: i32 = 5;
