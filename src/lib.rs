@@ -128,6 +128,7 @@ mod range;
 pub mod rse;
 mod ranger;
 mod sequence;
+pub mod messages;
 
 #[cfg(feature = "libm")]
 pub mod sim;
