@@ -24,6 +24,7 @@ mod journey;
 mod knots;
 mod least_squares;
 mod measure;
+mod messages;
 mod monte_carlo;
 mod outliers;
 mod plan;

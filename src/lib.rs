@@ -130,6 +130,7 @@ pub mod rse;
 mod ranger;
 mod report;
 mod sequence;
+pub mod messages;
 
 // Before and beside the way: what to tell it, and what to expect of it.
 pub mod calibrate;
