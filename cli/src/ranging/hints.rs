@@ -94,11 +94,15 @@ fn level_after<'a>(counts: impl Iterator<Item = &'a usize>, few: usize) -> Optio
 
 /// Columns that alternate, as those of a colour mosaic do.
 fn of_columns(pixels: &GrayImage) -> Option<String> {
-    let columns = pixels.width() as usize;
-    let rows = pixels.as_raw().chunks_exact(columns.max(1));
-    let (all, alternating) = (rows.len(), rows.filter(|row| alternates(row)).count());
-    (alternating * 2 > all)
+    (alternating_rows(pixels) > 0.5)
         .then(|| "neighbouring columns alternate: convert a Bayer mosaic or YUYV to grey first".to_string())
+}
+
+/// Share of the rows whose neighbouring columns alternate.
+pub(crate) fn alternating_rows(pixels: &GrayImage) -> f64 {
+    let rows = pixels.as_raw().chunks_exact((pixels.width() as usize).max(1));
+    let (all, alternating) = (rows.len(), rows.filter(|row| alternates(row)).count());
+    alternating as f64 / all.max(1) as f64
 }
 
 /// Whether nearly all pixels of a row differ from both of their neighbours, with signs that alternate.
