@@ -44,6 +44,10 @@ pub(crate) enum Command {
     /// Ranges from whole frames
     #[command(after_help = help::frame())]
     Frame(FrameArgs),
+    /// What a camera does to its pixels: noise, clipping, sharpening, denoising, compression, offsets, bands, blur, and
+    /// which keys of a setup follow. The first thing to run on a new camera
+    #[command(after_help = help::INSPECT)]
+    Inspect(InspectArgs),
     /// Frames of a simulated scene, with the truth about their edges
     #[command(after_help = help::SIMULATE)]
     Simulate(SimulateArgs),
@@ -236,8 +240,8 @@ pub(crate) struct MotionArgs {
 
 #[derive(Args)]
 pub(crate) struct FrameArgs {
-    /// PNG, JPEG or PGM/PPM; frames are independent of each other unless --frame-interval-s or --frame-times
-    /// makes them one sequence
+    /// PNG, JPEG, BMP or PGM/PPM, or videos: .y4m, or - for y4m on standard input. Frames are independent of each other
+    /// unless --frame-interval-s or --frame-times makes them one sequence
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
@@ -247,9 +251,28 @@ pub(crate) struct FrameArgs {
     /// Draw each edge with its depth and sigma over the frame. Several frames give OUT-NAME.png, with each frame's name
     #[arg(long, value_name = "OUT.png", value_parser = png_path)]
     pub(crate) overlay: Option<PathBuf>,
+    /// Write a page to look at: each frame with its edges, a bird's-eye view in metres, a table with the error budgets, hints
+    #[arg(long, value_name = "OUT.html", value_parser = html_path)]
+    pub(crate) report: Option<PathBuf>,
     /// The files are dumps of pixels without a header, row by row from the top. FORMAT is gray8 (default), yuyv, yvyu,
     /// uyvy, vyuy, rgb565le, rgb565be, gray10p (RAW10 as MIPI packs it), gray10le, gray12le, bayer8, bayer10p, bayer10le
     /// or bayer12le
+    #[arg(long, value_name = "WIDTHxHEIGHT[:FORMAT]")]
+    pub(crate) raw: Option<RawFrame>,
+    /// Search so many frames at a time for edges; default: one for each core
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Print a JSON document for each frame, on a line of its own
+    #[arg(long)]
+    pub(crate) json_lines: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct InspectArgs {
+    /// PNG, JPEG, BMP or PGM/PPM, as the camera delivers them
+    #[arg(required = true, value_name = "FRAME")]
+    pub(crate) files: Vec<PathBuf>,
+    /// The files are dumps of pixels without a header, row by row from the top; their format is gray8 unless stated
     #[arg(long, value_name = "WIDTHxHEIGHT[:FORMAT]")]
     pub(crate) raw: Option<RawFrame>,
 }
@@ -308,15 +331,21 @@ fn contrast(text: &str) -> Result<f64, String> {
 }
 
 fn svg_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-    if is_svg { Ok(path) } else { Err("it must end in .svg".to_string()) }
+    path_ending_in("svg", text)
 }
 
 fn png_path(text: &str) -> Result<PathBuf, String> {
+    path_ending_in("png", text)
+}
+
+fn html_path(text: &str) -> Result<PathBuf, String> {
+    path_ending_in("html", text)
+}
+
+fn path_ending_in(ending: &str, text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-    if is_png { Ok(path) } else { Err("it must end in .png".to_string()) }
+    let ends = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+    if ends { Ok(path) } else { Err(format!("it must end in .{ending}")) }
 }
 
 fn megahertz(text: &str) -> Result<f64, String> {

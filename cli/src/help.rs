@@ -2,6 +2,7 @@
 
 pub(crate) const EXAMPLES: &str = "\
 Examples:
+  shutter-range inspect frame-*.jpg
   shutter-range setup > camera.toml
   shutter-range table2
   shutter-range edges edges.csv --setup camera.toml
@@ -17,11 +18,11 @@ Examples:
 Exit code: 0 done, 1 an input is wrong or an output cannot be written, 2 the command line is wrong.";
 
 pub(crate) fn edges() -> String {
-    [EDGE_COLUMNS, SMALLEST_SETUP, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, EDGE_EXAMPLES].join("\n\n")
+    [EDGE_COLUMNS, SMALLEST_SETUP, CAMERA_FILES, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, EDGE_EXAMPLES].join("\n\n")
 }
 
 pub(crate) fn frame() -> String {
-    [FRAMES, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, OVERLAY, FRAME_EXAMPLES].join("\n\n")
+    [FRAMES, CAMERA_FILES, FRAME_TIMES, TRAJECTORY, STATUSES, POSTS, OVERLAY, FRAME_EXAMPLES].join("\n\n")
 }
 
 const EDGE_COLUMNS: &str = "\
@@ -52,8 +53,19 @@ Smallest setup:
 All keys: shutter-range setup";
 
 pub(crate) const SETUP: &str = "\
-Example:
-  shutter-range setup > camera.toml";
+A sensor is called by the beginning of its name and mode in shutter-range sensors, in small letters with
+hyphens: ov7725-qvga. What a sensor or a camera file does not tell is named at the top of the file.
+
+Examples:
+  shutter-range setup > camera.toml
+  shutter-range setup --sensor ov7725-qvga --clock-mhz 12 > camera.toml
+  shutter-range setup --camera camera_info.yaml > camera.toml";
+
+const CAMERA_FILES: &str = "\
+Camera files: ROS camera_info (YAML, also as a message), OpenCV's YAML and XML, Kalibr's camchain with its
+line_delay, lens profiles of Gyroflow, whose readout below zero is one from the bottom to the top. Lenses of
+five or eight coefficients as they are, fisheye lenses up to 60 degrees off the axis as rational ones. What
+such a file has must not be said otherwise in the setup; what it lacks is asked for.";
 
 const FRAME_TIMES: &str = "\
 Frame times: seconds of any clock, one line for each frame in their order; with a column name, in any
@@ -65,7 +77,9 @@ Frames must be as the sensor read them: of the setup's size, neither cropped, sc
 orientation noted in a JPEG is not applied). Colour is converted to luma. Grey levels of more than 8
 bits are scaled by their own range (MAXVAL of a PGM, camera.bits of the setup, otherwise 16 bits) and
 rounded to 8 bits: steps below a 255th of that range are lost, which is a noise of 0.3 levels. A file
-holds one frame. A file that cannot be read is reported on standard error, the others still give ranges,
+holds one frame, or is a y4m video (.y4m, or - for standard input), whose frames are called by their
+numbers from 0; its grey levels are taken as they are. A JPEG that has lost bytes is torn: nothing of it
+is told. A file that cannot be read is reported on standard error, the others still give ranges,
 and the exit code is 1.";
 
 const TRAJECTORY: &str = "\
@@ -73,8 +87,11 @@ Trajectory: each line has the velocity (m/s) and the rotation rate (rad/s) of on
 of the camera at that instant; time_s is counted from the start of the first frame, which is the middle
 of the exposure of the row read first. gx,gy,gz is the direction of down in the same axes; without it,
 that of the setup's [attitude] at the start of the first frame, propagated by the rotation. Values are
-interpolated linearly, over gaps of at most three times the usual interval. Uncertainties are those of
-the setup, whose [motion] may leave out the velocity.";
+interpolated linearly, over gaps of at most three times the usual interval, which of samples in bursts is
+that of the bursts. Columns may be missing: they are zero. A sample that is there twice counts once; where
+most stamps repeat, the samples of a tick are spread over it; elsewhere two values of one instant are a
+jump. With [mount] in the setup, all is in the axes of the robot. Uncertainties are those of the setup,
+whose [motion] may leave out the velocity.";
 
 const STATUSES: &str = "\
 Statuses:
@@ -112,6 +129,9 @@ Examples:
   shutter-range frame frame.png --setup camera.toml --overlay seen.png
   shutter-range frame *.jpg --setup camera.toml --overlay seen.png   # seen-0001.png, seen-0002.png, ...
   shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --trajectory drive.csv
+  shutter-range frame frame.png --setup motion.toml --camera camera_info.yaml --report ranges.html
+  ffmpeg -i drive.mp4 -f yuv4mpegpipe - | shutter-range frame - --setup camera.toml --frame-interval-s 0.0333
+  shutter-range frame *.png --setup camera.toml --json-lines > ranges.jsonl
   shutter-range frame dump.bin --raw 320x240:yuyv --setup camera.toml --json";
 
 pub(crate) const SIMULATE: &str = "\
@@ -192,6 +212,28 @@ that of one edge in one frame, with all that the setup states as uncertain.
 Examples:
   shutter-range plan --setup camera.toml --from 0.5 --to 10
   shutter-range plan --setup vga.toml --setup qvga.toml --sigma 0.2 --slowest-m-s 0.5 --fastest-m-s 2";
+
+pub(crate) const INSPECT: &str = "\
+Give frames as the camera delivers them, best of a scene with some dark and bright upright things: several
+frames tell more, a camera at rest tells the blur of its lens. A frame tells nothing of what it does not
+show: without isolated upright edges neither blur nor halos, without dark and bright parts no tone curve.
+
+Findings:
+  alternating    a Bayer mosaic or YUYV read as grey
+  unused bits    levels of 10 or 12 bits in a container of 16
+  clipped        black or white pixels
+  halos          sharpening
+  denoised       noise that neighbours share, or none at all
+  mosaic         colours interpolated from a mosaic
+  blocks         JPEG or a video codec at a low quality
+  offsets        columns or rows that are brighter than their neighbours
+  coarse levels  grey levels that never occur
+  bands          a light that flickers
+  soft           blurred edges
+
+Examples:
+  shutter-range inspect frame-*.png
+  shutter-range inspect *.jpg --json | jq '.findings[].name'";
 
 pub(crate) const SENSORS: &str = "\
 The line time is that from one row of the image to the next, for camera.line_time_us of a setup: the

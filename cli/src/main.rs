@@ -4,6 +4,7 @@ mod input;
 mod help;
 mod arguments;
 mod ranging;
+mod inspection;
 mod output;
 mod command;
 
@@ -14,9 +15,11 @@ use clap::Parser;
 
 use crate::arguments::{CalibrateCommand, Cli, Command, FlickerArgs, FrameArgs, PlanArgs, ScaleArgs};
 use crate::command::{
-    calibrate_flicker, calibrate_scale, edges, figures, frame, plan, sensors, setup, simulate, table2,
+    calibrate_flicker, calibrate_scale, edges, figures, frame, inspect, plan, sensors, setup, simulate, table2,
 };
+use crate::output::frame_writer::{FrameFormat, FrameWriter};
 use crate::output::{overlay, range_table, safe_file, terminal, truth};
+use crate::ranging::workers::STACK_BYTES;
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -43,6 +46,10 @@ fn run(cli: &Cli) -> Result<ExitCode> {
             if cli.json { terminal::json(&document)? } else { range_table::text(&document, colours) }
         }
         Command::Frame(arguments) => return run_frame(arguments, cli.json),
+        Command::Inspect(arguments) => {
+            let inspection = inspect::inspection(arguments)?;
+            if cli.json { terminal::json(&inspection)? } else { inspect::text(&inspection) }
+        }
         Command::Simulate(arguments) => {
             simulate::check_inputs(arguments).unwrap_or_else(|message| arguments::refuse(&message));
             let truth = simulate::frames(arguments)?;
@@ -65,18 +72,22 @@ fn run(cli: &Cli) -> Result<ExitCode> {
 }
 
 fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
-    let overlays = overlay::paths(&arguments.files, arguments.overlay.as_deref());
-    let overlays = overlays.unwrap_or_else(|message| arguments::refuse(&message));
-    let checked = arguments.motion.check_frames(arguments.files.len());
-    checked.unwrap_or_else(|message| arguments::refuse(&message));
+    let refuse = |message: String| -> ! { arguments::refuse(&message) };
+    let format = match (json, arguments.json_lines) {
+        (true, true) => refuse("--json and --json-lines: give one of them".to_string()),
+        (true, false) => FrameFormat::Json,
+        (false, true) => FrameFormat::JsonLines,
+        (false, false) => FrameFormat::Table { colours: terminal::colours() },
+    };
+    frame::check_inputs(arguments).unwrap_or_else(|message| refuse(message));
+    let overlays =
+        overlay::paths(&arguments.files, arguments.overlay.as_deref()).unwrap_or_else(|message| refuse(message));
     let setup = arguments.motion.load_setup(&arguments.setup)?;
-    let frame::Outcome { document, failures } = frame::ranges(arguments, &overlays, &setup)?;
-    // Without any frame there is nothing to print.
-    if !document.frames.is_empty() {
-        let text = if json { terminal::json(&document)? } else { range_table::text(&document, terminal::colours()) };
-        terminal::print(&text)?;
-    }
-    Ok(if failures == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    let mut writer = FrameWriter::new(format);
+    let outcome = frame::ranges(arguments, &overlays, &setup, &mut writer);
+    // A document that was begun is ended, also before an error.
+    writer.finish()?;
+    Ok(if outcome?.0 == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// What cannot be told is no error of the program, but no success either.
@@ -114,7 +125,6 @@ fn run_plan(arguments: &PlanArgs, json: bool) -> Result<String> {
 
 /// The tables of a ranger are built on the stack before they go to the heap: too much for the main thread of some systems.
 fn on_a_large_stack(work: impl FnOnce() -> Result<ExitCode> + Send + 'static) -> Result<ExitCode> {
-    const STACK_BYTES: usize = 32 << 20;
     let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(work);
     match thread.context("starting a thread")?.join() {
         Ok(result) => result,

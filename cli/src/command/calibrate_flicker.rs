@@ -51,7 +51,7 @@ pub(crate) fn measure(arguments: &FlickerArgs) -> Result<Outcome> {
         None => picture::stated_size(first)?,
     };
     ensure!(size.rows as usize <= ROWS, "the frames have {} rows, but must have at most {ROWS}", size.rows);
-    let format = PictureFormat { size, raw: arguments.raw, bits: None };
+    let format = PictureFormat { size: Some(size), raw: arguments.raw, bits: None };
     let mut meter = Box::new(meter(arguments, size)?);
     let mut means_q8 = Vec::new();
     for file in &arguments.files {

@@ -1,67 +1,90 @@
 //! Command `frame`: ranges from whole frames.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
+use image::DynamicImage;
 use shutter_range::format::Pixels;
 use shutter_range::{Counters, Line, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
+use crate::input::file_identity::FileIdentity;
+use crate::input::frame_source::{self, FoundFrame, FrameSource};
 use crate::input::frame_times::FrameName;
-use crate::input::picture::{self, Picture, PictureFormat};
+use crate::input::picture::{Picture, PictureFormat};
 use crate::input::setup::SetupFile;
+use crate::output::frame_writer::FrameWriter;
+use crate::output::html_report::HtmlReport;
 use crate::output::overlay;
 use crate::output::progress;
-use crate::output::report::{Document, Frame};
+use crate::output::report::Frame;
 use crate::output::terminal;
-use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
+use crate::ranging::camera_motion::CameraMotion;
 use crate::ranging::frame_sequence::FrameSequence;
 use crate::ranging::hints;
 use crate::ranging::tracking::KNOTS;
+use crate::ranging::workers::{self, Results};
 
 /// More lines, and more points on one row, than a picture shows.
 type LargeRanger = Ranger<256, KNOTS, 2048>;
 
-pub(crate) struct Outcome {
-    pub(crate) document: Document,
-    /// How many files have failed; standard error says why.
-    pub(crate) failures: usize,
+/// How many frames have failed; standard error says why.
+pub(crate) struct Failures(pub(crate) usize);
+
+/// Refuses frames that need further arguments, or that some arguments do not go with.
+pub(crate) fn check_inputs(arguments: &FrameArgs) -> Result<(), String> {
+    let files = &arguments.files;
+    let has_video = files.iter().any(|file| frame_source::is_video(file));
+    if has_video && arguments.motion.frame_times.is_some() {
+        return Err(
+            "--frame-times: how many frames a video has is not known beforehand: give --frame-interval-s".to_string()
+        );
+    }
+    if has_video && arguments.raw.is_some() {
+        return Err("--raw: a y4m video has a header; give dumps as files".to_string());
+    }
+    if let Some(report) = &arguments.report {
+        let identity = FileIdentity::of(report);
+        let camera = arguments.setup.camera.path.as_ref();
+        let mut inputs = files.iter().chain([&arguments.setup.path]).chain(camera);
+        if let Some(input) = inputs.find(|input| FileIdentity::of(input) == identity) {
+            return Err(format!("--report would replace {}: choose another name", input.display()));
+        }
+    }
+    // A video counts as several.
+    arguments.motion.check_frames(files.len() + usize::from(has_video))
 }
 
-pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupFile) -> Result<Outcome> {
+/// Frames are read and searched for edges by many threads; their ranges follow in the order of the frames.
+pub(crate) fn ranges(
+    arguments: &FrameArgs,
+    overlays: &[PathBuf],
+    setup: &SetupFile,
+    writer: &mut FrameWriter,
+) -> Result<Failures> {
     let size = setup.size();
     if let Some(raw) = arguments.raw {
         let camera = "(`camera.columns` × `camera.rows` of the setup)";
         ensure!(raw.size == size, "--raw says {} pixels, but must say {size} {camera}", raw.size);
     }
-    let format = PictureFormat { size, raw: arguments.raw, bits: setup.bits };
-    let mut motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
-    let mut sequence = FrameSequence::new(setup, &motion, arguments.motion.all);
-    let bar = progress::bar(arguments.files.len() as u64);
-    let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
-    for (number, (index, file)) in (0..).zip(arguments.files.iter().enumerate()) {
-        let next = (index + 1 < arguments.files.len()).then_some(number + 1);
-        let frames = &mut outcome.document.frames;
-        let mut job = Job { sequence: &mut sequence, format, frames };
-        let to_next_s = motion.to_next_s(number, next);
-        let result = match motion.in_frame(number, next) {
-            Ok(motion) => {
-                let advanced = job.sequence.advance(&motion, to_next_s);
-                advanced.and_then(|()| job.range(file, &motion, overlays.get(index)))
-            }
-            Err(error) => {
-                job.sequence.restart();
-                Err(error.context(file.display().to_string()))
-            }
-        };
-        if let Err(error) = result {
-            bar.suspend(|| terminal::error(&error));
-            outcome.failures += 1;
-        }
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    Ok(outcome)
+    let format = PictureFormat { size: Some(size), raw: arguments.raw, bits: setup.bits };
+    let motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
+    let ranging = Ranging {
+        sequence: FrameSequence::new(setup, &motion, arguments.motion.all),
+        motion,
+        number: 0,
+        overlays,
+        writer,
+        report: arguments.report.as_deref().map(HtmlReport::new),
+        failures: 0,
+    };
+    let keeps_pictures = !overlays.is_empty() || arguments.report.is_some();
+    let search = |found: FoundFrame| Searched::new(found, &format, &setup.setup, keeps_pictures);
+    let has_video = arguments.files.iter().any(|file| frame_source::is_video(file));
+    let bar = progress::bar(if has_video { 0 } else { arguments.files.len() as u64 });
+    let source = FrameSource::new(&arguments.files, format);
+    let jobs = arguments.jobs.map_or_else(workers::cores, usize::from);
+    workers::in_order(jobs, source, search, |results| ranging.all(results, &bar))
 }
 
 fn names(files: &[PathBuf]) -> impl Iterator<Item = FrameName> {
@@ -71,36 +94,123 @@ fn names(files: &[PathBuf]) -> impl Iterator<Item = FrameName> {
     })
 }
 
-struct Job<'a> {
-    sequence: &'a mut FrameSequence,
-    format: PictureFormat,
-    frames: &'a mut Vec<Frame>,
+/// A frame whose edges have been searched for.
+struct Searched {
+    name: String,
+    file: usize,
+    number: Option<usize>,
+    edges: Result<Edges>,
 }
 
-impl Job<'_> {
-    /// The ranges of a frame are reported even if its overlay cannot be written.
-    fn range(&mut self, file: &Path, motion: &MotionInFrame<'_>, overlay: Option<&PathBuf>) -> Result<()> {
-        let Picture { image, dump, unused_bits } = picture::load(file, &self.format)?;
-        let name = file.display().to_string();
+struct Edges {
+    lines: FoundLines,
+    hints: Vec<String>,
+    /// Where it is to be shown.
+    picture: Option<DynamicImage>,
+}
+
+impl Searched {
+    fn new(found: FoundFrame, format: &PictureFormat, setup: &Setup<f64>, keeps_picture: bool) -> Self {
+        let (name, file, number) = (found.name.clone(), found.file, found.number);
+        let edges = found
+            .load(format)
+            .and_then(|picture| Edges::of(picture, format, setup, keeps_picture).context(name.clone()));
+        Self { name, file, number, edges }
+    }
+}
+
+impl Edges {
+    fn of(picture: Picture, format: &PictureFormat, setup: &Setup<f64>, keeps_picture: bool) -> Result<Self> {
+        let Picture { image, dump, unused_bits, is_torn } = picture;
         let pixels = image.to_luma8();
-        let setup = self.sequence.setup();
-        let found = match (self.format.raw, &dump) {
-            (Some(raw), Some(dump)) => {
-                lines(setup, |row| Some(raw.format.row(raw.row(dump, row)?, row))).with_context(|| name.clone())?
-            }
+        let picture = keeps_picture.then_some(image);
+        if is_torn {
+            let lines = FoundLines { lines: Vec::new(), torn: true, counters: Counters::default() };
+            return Ok(Self { lines, hints: vec![TORN.to_string()], picture });
+        }
+        let lines = match (format.raw, &dump) {
+            (Some(raw), Some(dump)) => lines(setup, |row| Some(raw.format.row(raw.row(dump, row)?, row)))?,
             _ => {
                 let columns = pixels.width() as usize;
                 let start = |row: u16| usize::from(row) * columns;
-                lines(setup, |row| pixels.as_raw().get(start(row)..start(row) + columns))
-                    .with_context(|| name.clone())?
+                lines(setup, |row| pixels.as_raw().get(start(row)..start(row) + columns))?
             }
         };
-        let ranges = self.sequence.frame(motion, &found.lines)?;
-        let hints = hints::of_pixels(&pixels, unused_bits);
-        let frame = Frame::new(name, found.torn, &ranges, &found.counters, hints);
-        let written = overlay.map(|path| overlay::write(path, image.into_rgb8(), &frame.ranges));
-        self.frames.push(frame);
-        written.unwrap_or(Ok(()))
+        Ok(Self { lines, hints: hints::of_pixels(&pixels, unused_bits), picture })
+    }
+}
+
+const TORN: &str = "bytes of this JPEG were lost: its parts lie where they do not belong, and no edge of it is told";
+
+/// What goes from frame to frame.
+struct Ranging<'a> {
+    sequence: FrameSequence,
+    motion: CameraMotion,
+    /// Of the next frame.
+    number: i64,
+    overlays: &'a [PathBuf],
+    writer: &'a mut FrameWriter,
+    report: Option<HtmlReport>,
+    failures: usize,
+}
+
+impl Ranging<'_> {
+    fn all(mut self, mut results: Results<Searched>, bar: &indicatif::ProgressBar) -> Result<Failures> {
+        let is_sequence = self.motion.is_sequence();
+        let mut next = results.next();
+        while let Some(searched) = next.take() {
+            // A frame on its own need not wait for the next one.
+            if is_sequence {
+                next = results.next();
+            }
+            if let Err(error) = self.frame(searched, next.is_some())? {
+                bar.suspend(|| terminal::error(&error));
+                self.failures += 1;
+            }
+            bar.inc(1);
+            if !is_sequence {
+                next = results.next();
+            }
+        }
+        bar.finish_and_clear();
+        self.report.map_or(Ok(()), HtmlReport::finish)?;
+        Ok(Failures(self.failures))
+    }
+
+    /// The inner error is that of this frame alone.
+    fn frame(&mut self, searched: Searched, has_next: bool) -> Result<Result<()>> {
+        let Searched { name, file, number: in_video, edges } = searched;
+        let (frame, picture) = match self.ranges(name, edges, has_next) {
+            Ok(ranged) => ranged,
+            Err(error) => return Ok(Err(error)),
+        };
+        self.writer.write(&frame)?;
+        if let Some(report) = &mut self.report {
+            report.add(&frame, picture.as_ref())?;
+        }
+        // The ranges of a frame are reported even if its overlay cannot be written.
+        let overlay = self.overlays.get(file).map(|path| overlay::of_frame(path, in_video));
+        let overlay = overlay.zip(picture);
+        Ok(overlay.map_or(Ok(()), |(path, picture)| overlay::write(&path, picture.into_rgb8(), &frame.ranges)))
+    }
+
+    /// Also a frame that cannot be read is one of the sequence.
+    fn ranges(&mut self, name: String, edges: Result<Edges>, has_next: bool) -> Result<(Frame, Option<DynamicImage>)> {
+        let number = self.number;
+        self.number += 1;
+        let next = has_next.then_some(self.number);
+        let to_next_s = self.motion.to_next_s(number, next);
+        let motion = match self.motion.in_frame(number, next) {
+            Ok(motion) => motion,
+            Err(error) => {
+                self.sequence.restart();
+                return Err(error.context(name));
+            }
+        };
+        self.sequence.advance(&motion, to_next_s)?;
+        let Edges { lines, hints, picture } = edges?;
+        let ranges = self.sequence.frame(&motion, &lines.lines)?;
+        Ok((Frame::new(name, lines.torn, &ranges, &lines.counters, hints), picture))
     }
 }
 

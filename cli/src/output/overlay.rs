@@ -38,6 +38,11 @@ pub(crate) fn paths(frames: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBu
     Ok(paths)
 }
 
+/// The overlay of a frame of a video has its number.
+pub(crate) fn of_frame(path: &Path, in_video: Option<usize>) -> PathBuf {
+    in_video.map_or_else(|| path.to_path_buf(), |number| with_stem(path, Path::new(&format!("{number:04}"))))
+}
+
 fn with_stem(out: &Path, frame: &Path) -> PathBuf {
     let [mut name, stem] = [out, frame].map(|path| path.file_stem().unwrap_or_default().to_os_string());
     name.push("-");

@@ -27,8 +27,14 @@ pub(crate) fn text(document: &Document, colours: bool) -> String {
         if index > 0 {
             text.push('\n');
         }
-        write_frame(frame, colours, &mut text);
+        text += &self::frame(frame, colours);
     }
+    text
+}
+
+pub(crate) fn frame(frame: &Frame, colours: bool) -> String {
+    let mut text = String::new();
+    write_frame(frame, colours, &mut text);
     text
 }
 

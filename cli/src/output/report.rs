@@ -56,6 +56,9 @@ pub(crate) struct RangeReport {
     pub(crate) sigma_common: Option<f64>,
     /// The source of most of sigma.
     pub(crate) dominant: &'static str,
+    /// One sigma of inverse depth from each source.
+    #[serde(skip)]
+    pub(crate) budget: [(&'static str, f64); 8],
     /// How many of `edges` the values were estimated from: all but the outliers.
     pub(crate) edges_used: u16,
     /// Goodness of fit: residuals in units of their stated noise.
@@ -113,6 +116,7 @@ impl RangeReport {
             sigma_tilt_deg: estimate.sigma_tilt.to_degrees(),
             sigma_common: depth.estimate_m.map(|_| estimate.budget.correlated_per_m() / estimate.inverse_depth_per_m),
             dominant: source(estimate.budget.dominant()),
+            budget: estimate.budget.parts().map(|(part, sigma_per_m)| (source(part), sigma_per_m)),
             edges_used: range.points_used,
             misfit: estimate.misfit,
             post: post.map(|post| post.other),

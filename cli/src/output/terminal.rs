@@ -18,6 +18,11 @@ pub(crate) fn json(document: &impl Serialize) -> Result<String> {
     Ok(text)
 }
 
+/// A document on a line of its own.
+pub(crate) fn json_line(document: &impl Serialize) -> Result<String> {
+    Ok(serde_json::to_string(document).context("writing JSON")? + "\n")
+}
+
 /// Writes everything; a reader that has seen enough (`| head`) is no error.
 pub(crate) fn print(text: &str) -> Result<()> {
     let mut stdout = io::stdout().lock();

@@ -7,12 +7,22 @@ use crate::input::grey_levels::UnusedBits;
 
 /// From the pixels of a frame.
 pub(crate) fn of_pixels(pixels: &GrayImage, unused_bits: Option<UnusedBits>) -> Vec<String> {
-    let mut report = PixelReport::new();
-    pixels.as_raw().chunks_exact((pixels.width() as usize).max(1)).for_each(|row| report.row(row));
+    let report = report(pixels);
     // Unused bits are why there are few levels.
     let is_news = |suspicion: &Suspicion| unused_bits.is_none() || !matches!(suspicion, Suspicion::FewLevels { .. });
     let suspicions = report.suspicions().filter(is_news).map(|suspicion| suspicion.to_string());
     unused_bits.map(of_unused_bits).into_iter().chain(suspicions).collect()
+}
+
+/// Whether neighbouring columns alternate, as those of a colour mosaic do.
+pub(crate) fn has_alternating_columns(pixels: &GrayImage) -> bool {
+    report(pixels).suspicions().any(|suspicion| suspicion == Suspicion::AlternatingColumns)
+}
+
+fn report(pixels: &GrayImage) -> PixelReport {
+    let mut report = PixelReport::new();
+    pixels.as_raw().chunks_exact((pixels.width() as usize).max(1)).for_each(|row| report.row(row));
+    report
 }
 
 fn of_unused_bits(UnusedBits { most, bits }: UnusedBits) -> String {

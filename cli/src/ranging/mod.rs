@@ -1,5 +1,6 @@
 //! Ranges from edge points, through the library: lines, the motion of the camera, and the sequence of frames.
 
+pub(crate) mod workers;
 pub(crate) mod stamps;
 pub(crate) mod tracking;
 pub(crate) mod frame_starts;

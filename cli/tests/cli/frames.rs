@@ -204,7 +204,7 @@ fn a_bad_file_does_not_stop_the_others() {
     assert_eq!(names, ["a.png", "c.png"]);
     let errors: Vec<_> = outcome.stderr.lines().collect();
     assert_eq!(errors.len(), 2, "{errors:?}");
-    assert!(errors[0].starts_with("error: b.png: the file is no PNG, JPEG or PGM/PPM"), "{errors:?}");
+    assert!(errors[0].starts_with("error: b.png: the file is no PNG, JPEG, BMP or PGM/PPM"), "{errors:?}");
     assert!(errors[1].starts_with("error: reading missing.png: "), "{errors:?}");
 }
 

@@ -92,10 +92,18 @@ impl Folder {
     }
 
     pub(crate) fn run_with_input(&self, arguments: &[&str], input: &str) -> Outcome {
+        self.run_with_bytes(arguments, input.as_bytes())
+    }
+
+    pub(crate) fn run_with_bytes(&self, arguments: &[&str], input: &[u8]) -> Outcome {
         let mut child = command(self.0.path(), arguments).spawn().expect("the tool starts");
-        // A tool that stops early closes its end.
-        let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
-        Outcome::new(child.wait_with_output().expect("the tool ends"))
+        let mut pipe = child.stdin.take().expect("a pipe");
+        let input = input.to_vec();
+        // Beside it, since a tool that also writes much would wait for its reader. One that stops early closes its end.
+        let writer = std::thread::spawn(move || pipe.write_all(&input).is_ok());
+        let output = child.wait_with_output().expect("the tool ends");
+        writer.join().expect("no panic");
+        Outcome::new(output)
     }
 
     pub(crate) fn run_with_input_from(&self, input: File, arguments: &[&str]) -> Outcome {
