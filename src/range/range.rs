@@ -6,7 +6,7 @@ use super::fit::{Fitted, fit_with};
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::line3::Line3;
-use super::observation::Observation;
+use super::observation::Observer;
 use super::prior::Prior;
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
@@ -71,7 +71,7 @@ impl<S: Scalar> Range<S> {
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
         let blur_enters = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
-        let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters) };
+        let prior = Prior::new(earlier.as_ref(), blur.as_ref().filter(|_| blur_enters));
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
                 range.fill(setup, motion, line, &fitted, earlier.is_none());
@@ -234,10 +234,11 @@ fn may_be_by_chance<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Ran
 /// where the line does not cross the row.
 fn column_at<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, line3: &Line3<S>, near: &EdgePoint) -> S {
     let mut sample = Sample::point(near.column_px(), S::from_i32(i32::from(near.row)), near.time_s(), S::ONE);
+    let mut observer = Observer::new(setup.camera(), motion, [line3.gravity, line3.lean]);
     // Exact in one step without distortion.
-    for _ in 0..3 {
-        match Observation::new(setup.camera(), motion, &sample).and_then(|observation| line3.residual_px(&observation))
-        {
+    let steps = if setup.camera().is_straight() { 1 } else { 3 };
+    for _ in 0..steps {
+        match observer.observe(&sample).and_then(|observation| line3.residual(&observation).px()) {
             Some(off_px) => sample.column_px = sample.column_px - off_px,
             None => break,
         }

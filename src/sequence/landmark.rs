@@ -5,8 +5,8 @@ use super::propagation::FrameTransition;
 use crate::edge::Polarity;
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::range::{Covariance, LineState, Observation, Range, RangeStatus, Sample};
-use crate::scalar::{Scalar, cross, dot, hypot};
+use crate::range::{Covariance, Line3, LineState, Observation, Observer, Range, RangeStatus, RowPlane};
+use crate::scalar::{Scalar, hypot};
 use crate::setup::Setup;
 
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,9 @@ pub(crate) struct Match<S> {
 /// A line of this frame at its ends and in its middle.
 pub(crate) struct LineObservation<S> {
     pub(crate) polarity: Polarity,
-    pub(crate) ends: [Observation<S>; 2],
+    /// The rows of its ends.
+    pub(crate) rows: [RowPlane<S>; 2],
+    ends: [Observation<S>; 2],
     middle: Observation<S>,
 }
 
@@ -60,19 +62,18 @@ const NEAR_PX: i32 = 8;
 const TELLING_FRAMES: u32 = 3;
 
 impl<S: Scalar> LineObservation<S> {
-    /// `None` for a line without samples, or outside the lens model.
+    /// Against lines with the directions of `axes`. `None` for a line without samples, or outside the lens model.
     pub(crate) fn new<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,
+        axes: &Line3<S>,
         line: &Line<KNOTS>,
     ) -> Option<Self> {
-        let observation = |sample: Sample<S>| Observation::new(setup.camera(), motion, &sample);
-        let samples = || line.samples::<S>();
-        Some(Self {
-            polarity: line.first().polarity,
-            ends: [observation(samples().next()?)?, observation(samples().last()?)?],
-            middle: observation(samples().nth(samples().count() / 2)?)?,
-        })
+        let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
+        let [first, middle, last] = line.first_middle_and_last()?.map(|sample| observer.observe(&sample));
+        let (ends, middle) = ([first?, last?], middle?);
+        let rows = ends.each_ref().map(|end| RowPlane::new(motion, end));
+        Some(Self { polarity: line.first().polarity, rows, ends, middle })
     }
 }
 
@@ -120,7 +121,7 @@ impl<S: Scalar> Landmark<S> {
         match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
                 self.state = state;
-                let observation = LineObservation::new(setup, motion, line);
+                let observation = LineObservation::new(setup, motion, &state.line3, line);
                 self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
                 self.frames = if has_moved { 1 } else { self.frames.saturating_add(1) };
                 self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
@@ -144,27 +145,23 @@ impl<S: Scalar> Landmark<S> {
         let near = S::from_i32(NEAR_PX);
         let mut observations = observation.ends.iter().chain([&observation.middle]);
         observations.any(|observation| {
-            self.state.line3.residual_px(observation).is_some_and(|innovation| innovation.abs() < near)
+            self.state.line3.residual(observation).px().is_some_and(|innovation| innovation.abs() < near)
         })
     }
 
     /// Which part of this edge a line of this frame covers.
     pub(crate) fn extent_of(&self, observation: &LineObservation<S>) -> Option<Extent<S>> {
-        Extent::between(&self.state.line3, &observation.ends)
+        Extent::between(&self.state.line3, &observation.rows)
     }
 
     /// How far along the row an observation lies from the prediction, and one sigma of that, in pixels.
     fn innovation(&self, total: &Covariance<S>, observation: &Observation<S>) -> Option<(S, S)> {
-        let line3 = &self.state.line3;
-        let innovation = line3.residual_px(observation)?;
-        let m = cross(observation.direction, line3.direction());
-        let per_px = line3.offset(cross(observation.along_row, line3.direction()), observation);
-        let [mx, _, _] = m;
-        let across = line3.offset(cross(observation.direction, line3.lean), observation);
-        let sensitivity = [mx, -dot(m, observation.position), across].map(|part| part / per_px);
-        let none = [S::ZERO; 3];
-        let [sigma, _, _] = total.through([sensitivity, none, none]).sigma;
-        let sigma = hypot(sigma, observation.sigma_px);
+        let residual = self.state.line3.residual(observation);
+        let innovation = residual.px()?;
+        let per_px = S::ONE / residual.per_px;
+        let sensitivity = [residual.per_bearing, residual.per_inverse_depth, residual.per_tilt];
+        let variance = total.variance_along(sensitivity.map(|part| part * per_px));
+        let sigma = (variance.max(S::ZERO) + observation.sigma_px * observation.sigma_px).sqrt();
         (innovation.is_finite() && sigma.is_finite()).then_some((innovation, sigma))
     }
 

@@ -8,7 +8,7 @@ use super::propagation::FrameTransition;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
-use crate::range::{LineState, Range, RangeStatus};
+use crate::range::{Line3, LineState, Range, RangeStatus};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -172,13 +172,20 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         }
         self.has_frame = true;
         self.landmarks.iter_mut().for_each(|landmark| landmark.matched = None);
+        let axes = self.axes(motion);
         for place in places {
             let mut asking = u32::try_from(place).ok();
             while let Some(place) = asking {
-                let observation = line_at(place as usize).and_then(|line| LineObservation::new(setup, motion, line));
+                let seen = line_at(place as usize);
+                let observation = seen.and_then(|line| LineObservation::new(setup, motion, &axes, line));
                 asking = observation.and_then(|observation| self.offer(setup, place, &observation));
             }
         }
+    }
+
+    /// The directions of down and lean in this frame, as the landmarks have them.
+    fn axes<M: Motion<S>>(&self, motion: &M) -> Line3<S> {
+        self.landmarks.first().map_or_else(|| Line3::start(motion.gravity()), |landmark| landmark.state.line3)
     }
 
     /// A landmark without a line in this frame is hidden or gone.
@@ -215,7 +222,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let Some(index) = self.landmarks.iter().position(has_line) else {
             return self.begin(setup, motion, line);
         };
-        let observation = LineObservation::new(setup, motion, line);
+        let observation = LineObservation::new(setup, motion, &self.axes(motion), line);
         let others = self.landmarks.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
         let state = self.landmarks.get(index).map(|landmark| landmark.state);
         let blends = blends(observation.as_ref(), state.as_ref(), others);
@@ -240,7 +247,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
         let Some(state) = state.filter(|_| may_begin(range.status) && has_depth) else { return range };
         // What comes into view beside an edge is often half hidden by it, and would start with a wrong column.
-        let observation = LineObservation::new(setup, motion, line);
+        let observation = LineObservation::new(setup, motion, &self.axes(motion), line);
         let is_near =
             |landmark: &Landmark<S>| observation.as_ref().is_some_and(|observation| landmark.is_near(observation));
         if self.landmarks.iter().any(|landmark| landmark.frames > 1 && landmark.matched.is_some() && is_near(landmark))
@@ -251,7 +258,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         // No line that is still to be taken has this place.
         let matched = Some(Match { place: u32::MAX, distance: S::ZERO, has_moved: false });
         let (polarity, frames, missed, hold_off) = (line.first().polarity, 1, 0, 0);
-        let seen = observation.and_then(|observation| Extent::between(&state.line3, &observation.ends));
+        let seen = observation.and_then(|observation| Extent::between(&state.line3, &observation.rows));
         let Some(extent) = seen else { return range };
         let is_weak = !is_informative(range.status)
             || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
