@@ -103,16 +103,17 @@ fn no_back_end_gives_a_distance_to_a_line_that_fixes_none() {
     let cases = cases(short_line_of_a_camera_that_backs_up, COUNT);
     let exact = cases.iter().filter(|case| case.verdict::<f64>().0 == RangeStatus::Ok).count();
     assert_eq!(exact, 0);
-    for (name, (others, wrongly_ok)) in
-        [("f32", disagreements::<f32>(&cases)), ("Micro", disagreements::<Micro>(&cases))]
-    {
+    // Lines whose rounds do not settle: which of two wrong places they end at is a matter of rounding. Fixed point cuts off
+    // where floating point rounds.
+    for (name, (others, wrongly_ok), most) in [
+        ("f32", disagreements::<f32>(&cases), COUNT / 1000),
+        ("Micro", disagreements::<Micro>(&cases), COUNT / 1000),
+        ("Q32", disagreements::<Q32>(&cases), COUNT / 250),
+    ] {
+        println!("{name}: {others} of {COUNT}");
         assert_eq!(wrongly_ok, 0, "{name}");
-        // Lines whose rounds do not settle: which of two wrong places they end at is a matter of rounding.
-        assert!(others <= COUNT / 1000, "{name}: {others}");
+        assert!(others <= most, "{name}: {others}");
     }
-    let (others, wrongly_ok) = disagreements::<Q32>(&cases);
-    // The same in 32 fractional bits, where more rounds do not settle.
-    assert!(wrongly_ok == 0 && others <= COUNT / 25, "{wrongly_ok}, {others}");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! All host tests, one harness: the library's own code against the paper, the reference edges and synthetic scenes.
 
 mod accounting;
+mod accuracy;
 mod agreement;
 mod architecture;
 mod back_ends;

@@ -22,6 +22,17 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
+    /// With a whole number, by its bits: no routine that converts is linked for it.
+    pub(crate) const fn of_whole(name: &'static str, value: u64, expected: &'static str) -> Self {
+        let zeros = value.leading_zeros();
+        let bits = match zeros {
+            64 => 0,
+            0..=10 => ((1023 + 63 - zeros as u64) << 52) | ((value >> (11 - zeros)) & ((1 << 52) - 1)),
+            _ => ((1023 + 63 - zeros as u64) << 52) | ((value << (zeros - 11)) & ((1 << 52) - 1)),
+        };
+        Self::new(name, f64::from_bits(bits), expected)
+    }
+
     pub(crate) const fn new(parameter: &'static str, value: f64, expected: &'static str) -> Self {
         Self { parameter, value, expected }
     }

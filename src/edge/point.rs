@@ -70,7 +70,7 @@ impl EdgePoint {
     /// Column in pixels.
     #[must_use]
     pub fn column_px<S: Scalar>(&self) -> S {
-        S::from_ratio(i64::from(self.column_q16), 1 << 16)
+        S::from_i32(self.column_q16) * S::ratio(1, 1 << 16)
     }
 
     /// Time since frame start in seconds.

@@ -63,5 +63,5 @@ impl RowClock {
 
 /// A stamp may mean either end of the exposure.
 fn exposure_ns<S: Scalar>(setup: &Setup<S>) -> i64 {
-    setup.motion_blur().map_or(0, |blur| (blur.exposure_s.to_f64() * 1e9) as i64)
+    setup.motion_blur().map_or(0, |blur| (blur.exposure_s * S::from_i32(1_000_000_000)).to_i64())
 }

@@ -20,7 +20,11 @@ pub(crate) fn checked_rate<S: Scalar>(rate_rad_s: [S; 3]) -> Result<[S; 3], Para
 /// The direction as a unit vector.
 pub(crate) fn checked_direction<S: Scalar>(gravity: [S; 3]) -> Result<[S; 3], ParameterError> {
     check("gravity", gravity, 1_000, "finite, at most 1000 (only its direction counts)")?;
-    let length = dot(gravity, gravity).sqrt();
+    let square = dot(gravity, gravity);
+    if square == S::ONE {
+        return Ok(gravity);
+    }
+    let length = square.sqrt();
     if !(length >= S::ratio(1, 1_000)) {
         return Err(ParameterError::new("gravity", length.to_f64(), "a direction: at least 0.001 long"));
     }

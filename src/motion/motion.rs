@@ -48,8 +48,14 @@ impl<S: Scalar> Pose<S> {
 /// [`Twist`](crate::Twist) is the usual one, and [`Trajectory`](crate::Trajectory) makes one from what sensors deliver;
 /// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
-    /// Pose `time_s` seconds after frame start. Called up to three times for each knot of a line.
+    /// Pose `time_s` seconds after frame start. Called two to three times for each knot of a line.
     fn pose(&self, time_s: S) -> Pose<S>;
+
+    /// Whether the camera does not turn during the frame, so that each pose has the identity for its rotation: the solver then
+    /// rotates nothing. `false` is always right.
+    fn keeps_attitude(&self) -> bool {
+        false
+    }
 
     /// Unit vector "down" in the axes of the frame-start camera; `[0, 1, 0]` for a level one.
     fn gravity(&self) -> [S; 3];

@@ -37,6 +37,11 @@ impl<S: Scalar, const N: usize> Stream<S, N> {
         Self { stream, stamps, samples: Deque::new() }
     }
 
+    /// Whether there is such a sensor.
+    pub(crate) const fn is_declared(&self) -> bool {
+        self.stamps.is_some()
+    }
+
     pub(crate) fn clear(&mut self) {
         self.samples.clear();
     }

@@ -229,6 +229,10 @@ impl<S: Scalar, const N: usize> Motion<S> for FrameMotion<'_, S, N> {
         }
     }
 
+    fn keeps_attitude(&self) -> bool {
+        !self.trajectory.rate.is_declared()
+    }
+
     fn gravity(&self) -> [S; 3] {
         self.gravity
     }

@@ -64,12 +64,17 @@ impl<S: Scalar> Twist<S> {
 
 impl<S: Scalar> Motion<S> for Twist<S> {
     fn pose(&self, time_s: S) -> Pose<S> {
-        Pose {
-            position_m: scale(self.velocity_m_s, time_s),
-            rotation: Rotation::from_vector(scale(self.rate_rad_s, time_s)).matrix(),
-            velocity_m_s: self.velocity_m_s,
-            rate_rad_s: self.rate_rad_s,
-        }
+        let rotation = if self.keeps_attitude() {
+            Pose::START.rotation
+        } else {
+            Rotation::from_vector(scale(self.rate_rad_s, time_s)).matrix()
+        };
+        let (velocity_m_s, rate_rad_s) = (self.velocity_m_s, self.rate_rad_s);
+        Pose { position_m: scale(velocity_m_s, time_s), rotation, velocity_m_s, rate_rad_s }
+    }
+
+    fn keeps_attitude(&self) -> bool {
+        self.rate_rad_s.into_iter().all(|rate| rate == S::ZERO)
     }
 
     fn gravity(&self) -> [S; 3] {

@@ -8,7 +8,7 @@ use crate::edge::EdgePoint;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Twist};
-use crate::range::{Line3, Observation, Range, RangeStatus, Sample, column_at};
+use crate::range::{Line3, Observer, Range, RangeStatus, RowPlane, Sample, column_at};
 use crate::scalar::{NS_PER_S, Scalar, dot, scale};
 
 /// As many knots as a board's ranger has.
@@ -213,11 +213,10 @@ impl<'a, S: Scalar> Planner<'a, S> {
     /// Whether the row of a point shows the target between its ends.
     fn covers(&self, line3: &Line3<S>, point: &EdgePoint, depth_m: S) -> bool {
         let sample = Sample::point(point.column_px(), S::from_i32(point.row.into()), point.time_s(), S::ONE);
-        let Some(observation) = Observation::new(self.mode.setup().camera(), self.motion, &sample) else {
-            return false;
-        };
-        let along_m = line3.along(&observation) * depth_m;
-        line3.is_in_front_of(&observation) && along_m >= self.target.top_m && along_m <= self.target.bottom_m
+        let mut observer = Observer::new(self.mode.setup().camera(), self.motion, [line3.gravity, line3.lean]);
+        let Some(observation) = observer.observe(&sample) else { return false };
+        let along_m = line3.along(&RowPlane::new(self.motion, &observation)) * depth_m;
+        line3.residual(&observation).is_in_front() && along_m >= self.target.top_m && along_m <= self.target.bottom_m
     }
 
     /// Along the row during the exposure.

@@ -1,13 +1,12 @@
 //! [`BlurMeasurement`]: the motion of an edge from its blur, whatever its lean. docs/model.md, section 5.
 
-use super::equation::{Equation, PriorEquation};
+use super::equation::Equation;
 use super::line3::Line3;
-use super::observation::Observation;
+use super::observation::{Observation, Observer};
 use super::sample::Sample;
-use super::shared_error::SharedError;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
-use crate::scalar::{Scalar, hypot, ln};
+use crate::scalar::{Scalar, hypot, ln, over};
 use crate::setup::Setup;
 
 /// The blur that motion has added to an edge, as a measurement of its path during the exposure.
@@ -29,6 +28,10 @@ pub(crate) struct BlurMeasurement<S> {
     sigma_lens_px: S,
 }
 
+/// Steps towards the best compromise of positions and blur before the rounds: two leave less than a fiftieth of a sigma, and
+/// save a round.
+const PATH_STEPS: usize = 2;
+
 /// A good edge may be so much more blurred than its slope implies, as a factor on the variance: the lens is softer in the
 /// corners, and not everything is in focus.
 const SOFTER: (i32, i32) = (3, 2);
@@ -44,15 +47,14 @@ impl<S: Scalar> BlurMeasurement<S> {
         line: &Line<KNOTS>,
     ) -> Option<Self> {
         let (blur, width_px) = (setup.motion_blur()?, line.mean_width_px::<S>()?);
+        let axes = Line3::start(motion.gravity());
+        let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         // No row's width is off by more than half of it, and at most nine rows in a row err alike.
         let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.points())).sqrt();
         let sigma_px = line.mean_width_sigma_px::<S>().min(most_px);
-        let middle = line.samples::<S>().nth(line.samples::<S>().count() / 2)?;
+        let middle = line.middle_mean::<S>()?;
         let half = blur.exposure_s * S::ratio(1, 2);
-        let at = |time_s: S| {
-            let sample = Sample::point(middle.column_px, middle.row_px, time_s, middle.sigma_px);
-            Observation::new(setup.camera(), motion, &sample)
-        };
+        let mut at = |time_s: S| observer.observe(&Sample { time_s, ..middle });
         // A variance is a square: its logarithm has twice the relative error of the width.
         let relative_sigma = hypot(sigma_px / width_px, setup.sigma_blur());
         Some(Self {
@@ -84,29 +86,41 @@ impl<S: Scalar> BlurMeasurement<S> {
         hypot(self.sigma_ln, self.per_lens_px(path_px) * self.sigma_lens_px)
     }
 
-    /// Path along the row during the exposure, in pixels with its sign.
+    /// Path along the row during the exposure.
+    fn path(&self, line3: &Line3<S>) -> Option<Path<S>> {
+        let [start, end] = self.ends.each_ref().map(|end| line3.residual(end));
+        Some(Path {
+            px: start.px()? - end.px()?,
+            per_inverse_depth: start.px_per_inverse_depth()? - end.px_per_inverse_depth()?,
+        })
+    }
+
+    /// The same in pixels with its sign.
     pub(crate) fn path_px(&self, line3: &Line3<S>) -> Option<S> {
-        let [start, end] = &self.ends;
-        Some(line3.residual_px(start)? - line3.residual_px(end)?)
+        self.path(line3).map(|path| path.px)
     }
 
-    /// Change of the path with the inverse depth. Translation moves the ends in proportion to the inverse depth; rotation
-    /// does so at any depth.
-    fn path_per_inverse_depth(&self, line3: &Line3<S>) -> Option<S> {
-        let [start, end] = &self.ends;
-        Some(line3.residual_per_inverse_depth(start)? - line3.residual_per_inverse_depth(end)?)
-    }
-
-    /// The lines of the two paths, one in either direction, that explain the blur: near each there may be a solution.
-    pub(super) fn candidates(&self, line3: &Line3<S>) -> Option<[Line3<S>; 2]> {
-        let (path, change) = (self.path_px(line3)?, self.path_per_inverse_depth(line3)?);
+    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they lie, given
+    /// what the positions say of the inverse depth, as changes of it, each with what it costs; the better one first.
+    pub(super) fn either_path(&self, line3: &Line3<S>, information: S) -> Option<[PathChoice<S>; 2]> {
+        let path = self.path(line3)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(S::ZERO)) * S::from_i32(12)).sqrt();
+        // A sigma of the path is 6 V/B times that of the logarithm.
+        let part = blur_px * S::ratio(1, 6) / (self.expected_px2(blur_px) * self.joint_sigma_ln(blur_px));
+        let (of_path, of_blur) = (path.per_inverse_depth, part * part);
+        let of_blur = of_blur * of_path * of_path;
+        let share = of_blur * over(of_blur + information);
         let with_path = |wanted: S| {
-            let inverse_depth = line3.inverse_depth + (wanted - path) / change;
-            Line3 { inverse_depth, ..*line3 }
+            let off = (wanted - path.px) / of_path;
+            PathChoice { change_per_m: off * share, cost: off * off * share * information }
         };
-        let candidates = [with_path(blur_px), with_path(-blur_px)];
-        candidates.iter().all(|line3| line3.inverse_depth.is_finite()).then_some(candidates)
+        let (along, against) = (with_path(blur_px), with_path(-blur_px));
+        let [mut better, other] = if along.cost <= against.cost { [along, against] } else { [against, along] };
+        for _ in 0..PATH_STEPS {
+            better.change_per_m = self.compromise(&path, information, better.change_per_m);
+        }
+        let choices = [better, other];
+        choices.iter().all(|choice| choice.change_per_m.is_finite() && choice.cost.is_finite()).then_some(choices)
     }
 
     /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the slope:
@@ -128,20 +142,36 @@ impl<S: Scalar> BlurMeasurement<S> {
         (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
     }
 
-    pub(crate) fn equation(&self, line3: &Line3<S>) -> Option<PriorEquation<S>> {
-        let path = self.path_px(line3)?;
-        let q = path * S::ratio(1, 6) * self.path_per_inverse_depth(line3)? / self.expected_px2(path);
-        Some(PriorEquation {
-            equation: Equation {
-                one: S::ZERO,
-                q,
-                w: S::ZERO,
-                y: self.excess_ln(path),
-                root_weight: self.joint_sigma_ln(path),
-            },
-            errors: SharedError::Lens.alone(-self.per_lens_px(path)),
-        })
+    /// Change of the inverse depth at which positions and blur agree best, linearised about a first guess of it.
+    fn compromise(&self, path: &Path<S>, information: S, change_per_m: S) -> S {
+        let path_px = path.px + change_per_m * path.per_inverse_depth;
+        let per_sigma = over(self.joint_sigma_ln(path_px));
+        let q = path_px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(path_px) * per_sigma;
+        q * (q * change_per_m + self.excess_ln(path_px) * per_sigma) * over(q * q + information)
     }
+
+    /// Linearised about `line3`, and what a pixel of the lens's own blur takes from its y.
+    pub(super) fn equation(&self, line3: &Line3<S>) -> Option<(Equation<S>, S)> {
+        let path = self.path(line3)?;
+        let per_sigma = over(self.joint_sigma_ln(path.px));
+        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(path.px);
+        let equation = Equation { q, y: self.excess_ln(path.px), ..Equation::NOTHING };
+        Some((equation.scaled(per_sigma), self.per_lens_px(path.px) * per_sigma))
+    }
+}
+
+/// A path along the row in pixels, and its change with the inverse depth. Translation moves the ends in proportion to the
+/// inverse depth; rotation does so at any depth.
+struct Path<S> {
+    px: S,
+    per_inverse_depth: S,
+}
+
+/// A change of the inverse depth to where positions and one direction of the path agree best, and the squares of what both
+/// deviate there.
+pub(super) struct PathChoice<S> {
+    pub(super) change_per_m: S,
+    pub(super) cost: S,
 }
 
 /// The lens's own blur as one edge shows it: the variance that neither motion nor the pixel explains.

@@ -2,72 +2,60 @@
 
 use heapless::Vec;
 
-use super::shared_error::SHARED_ERRORS;
 use crate::scalar::Scalar;
 
-/// One linearised observation `y = one δa + q δρ + w δβ` with its weight.
+/// One linearised observation `y = one δa + q δρ + w δβ`, each divided by the sigma of y.
 #[derive(Clone, Copy)]
 pub(crate) struct Equation<S> {
-    /// 1 for a sample.
     pub(crate) one: S,
     pub(crate) q: S,
     pub(crate) w: S,
     pub(crate) y: S,
-    /// One sigma of y; after normalisation the smallest sigma of all relative to it: the root of a weight from 0 to 1.
-    pub(crate) root_weight: S,
 }
 
 impl<S: Scalar> Equation<S> {
-    pub(super) fn weight(&self) -> S {
-        self.root_weight * self.root_weight
-    }
-}
+    /// One that says nothing.
+    pub(super) const NOTHING: Self = Self { one: S::ZERO, q: S::ZERO, w: S::ZERO, y: S::ZERO };
 
-/// A prior as one more observation, and how a unit of each shared error has moved it.
-#[derive(Clone, Copy)]
-pub(crate) struct PriorEquation<S> {
-    pub(crate) equation: Equation<S>,
-    pub(crate) errors: [S; SHARED_ERRORS],
+    /// The same with another sigma.
+    #[must_use]
+    pub(super) fn scaled(self, by: S) -> Self {
+        Self { one: self.one * by, q: self.q * by, w: self.w * by, y: self.y * by }
+    }
 }
 
 /// All equations of a round.
 pub(crate) struct Equations<S, const N: usize> {
     pub(crate) observed: Vec<Equation<S>, N>,
-    pub(crate) prior: Vec<PriorEquation<S>, MOST_PRIORS>,
+    pub(crate) prior: Vec<Equation<S>, MOST_PRIORS>,
+    /// What solving has subtracted from q, w and y so far, for each unit of `one`.
+    pub(super) centre: [S; 3],
 }
 
-/// Bearing, inverse depth and tilt of earlier frames, and the blur.
+/// Bearing, inverse depth and tilt of earlier frames, or an upright edge, and the blur.
 pub(crate) const MOST_PRIORS: usize = 4;
 
 impl<S: Scalar, const N: usize> Equations<S, N> {
     pub(crate) fn new() -> Self {
-        Self { observed: Vec::new(), prior: Vec::new() }
+        Self { observed: Vec::new(), prior: Vec::new(), centre: [S::ZERO; 3] }
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.observed.clear();
+        self.prior.clear();
+        self.centre = [S::ZERO; 3];
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Equation<S>> {
-        self.observed.iter().chain(self.prior.iter().map(|prior| &prior.equation))
+        self.observed.iter().chain(&self.prior)
     }
 
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Equation<S>> {
-        self.observed.iter_mut().chain(self.prior.iter_mut().map(|prior| &mut prior.equation))
-    }
-
-    pub(super) fn sum(&self, value: impl Fn(&Equation<S>) -> S) -> S {
-        self.iter().fold(S::ZERO, |sum, equation| sum + equation.weight() * value(equation))
-    }
-
-    /// Turns sigmas into weights relative to the smallest sigma, which is returned.
-    pub(super) fn normalise_weights(&mut self) -> S {
-        let best = self.iter().map(|equation| equation.root_weight).filter(|sigma| *sigma > S::ZERO).reduce(S::min);
-        let unit = best.unwrap_or(S::EPSILON);
-        for equation in self.iter_mut().filter(|equation| equation.root_weight > S::ZERO) {
-            equation.root_weight = if equation.root_weight > unit { unit / equation.root_weight } else { S::ONE };
-        }
-        unit
+        self.observed.iter_mut().chain(&mut self.prior)
     }
 
     /// Whether there is a prior for the tilt; without one it is zero, not free.
     pub(super) fn has_tilt(&self) -> bool {
-        self.prior.iter().any(|prior| prior.equation.w != S::ZERO)
+        self.prior.iter().any(|equation| equation.w != S::ZERO)
     }
 }

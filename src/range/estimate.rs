@@ -71,8 +71,7 @@ impl<S: Scalar> Estimate<S> {
         let LineState { line3, covariance, sensitivity } = state;
         let across = cross([line3.bearing, S::ZERO, S::ONE], line3.gravity);
         let total = sensitivity.total(*covariance, setup, line3.bearing);
-        let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma;
-        let [correlation, _, _] = total.correlation;
+        let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma();
         // Nothing is known of an inverse depth that the motion does not show.
         let known = sigma_inverse_depth_per_m < S::UNKNOWN;
         Self {
@@ -82,7 +81,7 @@ impl<S: Scalar> Estimate<S> {
             sigma_bearing,
             sigma_inverse_depth_per_m,
             sigma_tilt,
-            correlation,
+            correlation: total.correlation(),
             budget: sensitivity.budget(covariance, setup, line3.bearing),
             distance_per_depth: dot(across, across).sqrt(),
             misfit: goodness_of_fit.misfit,

@@ -2,61 +2,69 @@
 
 use super::covariance::Covariance;
 use super::equation::{Equation, Equations};
-use super::line3::Line3;
-use crate::scalar::{Scalar, hypot};
+use crate::scalar::{Scalar, over};
 
-/// What a round finds, in units that keep every number near one: y in the smallest sigma, q in its own spread.
+/// What a round finds.
 #[derive(Clone, Copy)]
 pub(crate) struct Solution<S> {
-    /// The smallest sigma.
-    unit: S,
-    /// Spread of q; zero where neither the motion nor a prior says anything of the depth.
-    spread: S,
+    /// What was subtracted from q, w and y to centre them.
     mean_q: S,
     mean_w: S,
+    mean_y: S,
+    /// ⟨1, 1⟩
     weight: S,
+    /// ⟨q, q⟩; zero where neither the motion nor a prior says anything of the depth.
     qq: S,
     /// ⟨q, w⟩/⟨q, q⟩
     c: S,
     /// ⟨w⊥, w⊥⟩; zero where tilt is not estimated.
     ww: S,
-    /// Components of y: mean, along q and along w⊥.
-    mean_y: S,
+    /// Components of y along q and along w⊥.
     rho: S,
     beta: S,
 }
 
-fn over<S: Scalar>(value: S) -> S {
-    if value > S::ZERO { S::ONE / value } else { S::ZERO }
-}
-
 /// Weighted least squares by orthogonalisation: first the constant, then q, then the part of w that is orthogonal to q.
+/// Leaves the equations centred; they may be solved again after a change of their sigmas.
 pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> Solution<S> {
-    let unit = equations.normalise_weights();
-    let weight = equations.sum(|equation| equation.one * equation.one);
-    let per_weight = over(weight);
-    let mean_q = equations.sum(|equation| equation.one * equation.q) * per_weight;
-    let mean_w = equations.sum(|equation| equation.one * equation.w) * per_weight;
-    let mean_y = equations.sum(|equation| equation.one * equation.y) * per_weight;
-    let size = |equation: &Equation<S>| ((equation.q - equation.one * mean_q) * equation.root_weight).abs();
-    let spread = equations.iter().map(size).fold(S::ZERO, S::max);
-    let per_spread = over(spread);
-    for equation in equations.iter_mut() {
-        equation.q = (equation.q - equation.one * mean_q) * per_spread;
-        equation.w = equation.w - equation.one * mean_w;
-        equation.y = equation.y - equation.one * mean_y;
+    let weight = centre(equations);
+    let [mean_q, mean_w, mean_y] = equations.centre;
+    let (mut qq, mut qw, mut qy) = (S::ZERO, S::ZERO, S::ZERO);
+    for Equation { q, w, y, .. } in equations.iter() {
+        (qq, qw, qy) = (qq + *q * *q, qw + *q * *w, qy + *q * *y);
     }
-    let qq = equations.sum(|equation| equation.q * equation.q);
-    let c = equations.sum(|equation| equation.q * equation.w) * over(qq);
-    let rho = equations.sum(|equation| equation.q * equation.y) * over(qq);
-    let (ww, beta) = (S::ZERO, S::ZERO);
-    let mut solution = Solution { unit, spread, mean_q, mean_w, weight, qq, c, ww, mean_y, rho, beta };
+    let per_qq = over(qq);
+    let (c, rho) = (qw * per_qq, qy * per_qq);
+    let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, ww: S::ZERO, rho, beta: S::ZERO };
     if equations.has_tilt() {
-        solution.ww = equations.sum(|equation| solution.across(equation) * solution.across(equation));
-        solution.beta =
-            equations.sum(|equation| solution.across(equation) * (equation.y - rho * equation.q)) * over(solution.ww);
+        let (mut ww, mut wy) = (S::ZERO, S::ZERO);
+        for equation in equations.iter() {
+            let across = solution.across(equation);
+            (ww, wy) = (ww + across * across, wy + across * (equation.y - rho * equation.q));
+        }
+        (solution.ww, solution.beta) = (ww, wy * over(ww));
     }
     solution
+}
+
+/// Subtracts from q, w and y their weighted means; the sum of all weights.
+fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
+    let (mut weight, mut q, mut w, mut y) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
+    for equation in equations.iter() {
+        let one = equation.one;
+        (weight, q) = (weight + one * one, q + one * equation.q);
+        (w, y) = (w + one * equation.w, y + one * equation.y);
+    }
+    let per_weight = over(weight);
+    let (q, w, y) = (q * per_weight, w * per_weight, y * per_weight);
+    for equation in equations.iter_mut() {
+        let one = equation.one;
+        (equation.q, equation.w) = (equation.q - one * q, equation.w - one * w);
+        equation.y = equation.y - one * y;
+    }
+    let [mean_q, mean_w, mean_y] = equations.centre;
+    equations.centre = [mean_q + q, mean_w + w, mean_y + y];
+    weight
 }
 
 impl<S: Scalar> Solution<S> {
@@ -65,71 +73,89 @@ impl<S: Scalar> Solution<S> {
         equation.w - self.c * equation.q
     }
 
-    pub(crate) fn apply(&self, line3: &Line3<S>) -> Line3<S> {
-        let [bearing, inverse_depth, tilt] = self.unknowns(self.mean_y, self.rho, self.beta);
-        Line3 {
-            bearing: line3.bearing + bearing,
-            inverse_depth: line3.inverse_depth + inverse_depth,
-            tilt: line3.tilt + tilt,
-            ..*line3
-        }
+    /// Changes of bearing, inverse depth and tilt.
+    pub(crate) fn change(&self) -> [S; 3] {
+        self.unknowns(self.mean_y, self.rho, self.beta)
     }
 
     /// (δa, δρ, δβ) from the components along the orthogonal directions.
     fn unknowns(&self, mean: S, along: S, across: S) -> [S; 3] {
-        let rho = (along - self.c * across) * over(self.spread);
+        let rho = along - self.c * across;
         [mean - rho * self.mean_q - across * self.mean_w, rho, across]
     }
 
-    /// How far this round has moved the estimate, in sigmas.
-    pub(crate) fn step(&self) -> S {
-        let along = hypot(self.mean_y * self.weight.sqrt(), self.rho * self.qq.sqrt());
-        hypot(along, self.beta * self.ww.sqrt()) / self.unit
+    /// The square of how far this round has moved the estimate, in sigmas.
+    pub(crate) fn step_squared(&self) -> S {
+        let along = self.mean_y * self.mean_y * self.weight + self.rho * self.rho * self.qq;
+        along + self.beta * self.beta * self.ww
     }
 
     /// Residual of an equation in units of its own noise.
     pub(crate) fn deviation(&self, equation: &Equation<S>) -> S {
-        (equation.y - self.rho * equation.q - self.beta * self.across(equation)) / self.unit * equation.root_weight
+        equation.y - self.rho * equation.q - self.beta * self.across(equation)
     }
 
-    /// How small errors of y, one for each equation, move the unknowns.
-    pub(crate) fn response<const N: usize>(
-        &self,
-        equations: &Equations<S, N>,
-        errors: impl Iterator<Item = S>,
-    ) -> [S; 3] {
-        let (mut mean, mut along, mut across) = (S::ZERO, S::ZERO, S::ZERO);
-        for (equation, error) in equations.iter().zip(errors) {
-            let error = equation.weight() * error;
-            mean = mean + error * equation.one;
-            along = along + error * equation.q;
-            across = across + error * self.across(equation);
-        }
-        self.unknowns(mean * over(self.weight), along * over(self.qq), across * over(self.ww))
+    /// Sum of the squares of all deviations, those from the priors included.
+    pub(crate) fn cost<const N: usize>(&self, equations: &Equations<S, N>) -> S {
+        equations.iter().map(|equation| self.deviation(equation)).fold(S::ZERO, |sum, off| sum + off * off)
     }
 
-    /// The covariance where the motion says nothing of the depth.
-    fn covariance_of_bearing_and_tilt(&self) -> Covariance<S> {
-        let (beta, w) = (over(self.ww), self.mean_w);
-        let moments = [over(self.weight) + w * w * beta, S::ZERO, beta, S::ZERO, -(w * beta), S::ZERO];
-        let known = Covariance::scaled([self.unit, S::ONE, self.unit], moments);
-        let [bearing, _, tilt] = known.sigma;
-        Covariance { sigma: [bearing, S::UNKNOWN, tilt], ..known }
+    /// The q of an equation before it was centred.
+    pub(crate) fn uncentred_q(&self, equation: &Equation<S>) -> S {
+        equation.q + equation.one * self.mean_q
+    }
+
+    /// One over the variance of the inverse depth.
+    pub(crate) fn information_of_inverse_depth(&self) -> S {
+        over(over(self.qq) + self.c * self.c * over(self.ww))
+    }
+
+    /// The change of bearing, inverse depth and tilt which costs least among those of a given change of the inverse depth.
+    pub(crate) fn change_with(&self, inverse_depth: S) -> [S; 3] {
+        let qq_c = self.qq * self.c;
+        let across = -(qq_c * inverse_depth * over(self.ww + qq_c * self.c));
+        self.unknowns(S::ZERO, inverse_depth + self.c * across, across)
     }
 
     /// Covariance from the noise of all equations, the priors included.
     pub(crate) fn covariance(&self) -> Covariance<S> {
-        if !(self.qq > S::ZERO && self.spread > S::ZERO) {
-            return self.covariance_of_bearing_and_tilt();
+        let (q, w, bb) = (self.mean_q, self.mean_w, over(self.ww));
+        if !(self.qq > S::ZERO) {
+            // The motion says nothing of the depth.
+            return Covariance {
+                variance: [over(self.weight) + w * w * bb, S::UNKNOWN * S::UNKNOWN, bb],
+                mixed: [S::ZERO, -(w * bb), S::ZERO],
+            };
         }
-        let beta = over(self.ww);
-        let rho = S::ONE / self.qq + self.c * self.c * beta;
-        let rho_beta = -self.c * beta;
+        let rr = S::ONE / self.qq + self.c * self.c * bb;
+        let rb = -(self.c * bb);
         // a = mean y − q̄ ρ − w̄ β
-        let q = self.mean_q / self.spread;
-        let w = self.mean_w;
-        let bearing = over(self.weight) + q * q * rho + w * w * beta + (q * w + q * w) * rho_beta;
-        let moments = [bearing, rho, beta, -q * rho - w * rho_beta, -q * rho_beta - w * beta, rho_beta];
-        Covariance::scaled([self.unit, self.unit / self.spread, self.unit], moments)
+        let aa = over(self.weight) + q * q * rr + w * w * bb + (q * w + q * w) * rb;
+        Covariance { variance: [aa, rr, bb], mixed: [-(q * rr) - w * rb, -(q * rb) - w * bb, rb] }
+    }
+}
+
+/// How small errors of y, one for each equation, move the unknowns: sums over the equations.
+#[derive(Clone, Copy)]
+pub(crate) struct Response<S> {
+    mean: S,
+    along: S,
+    across: S,
+}
+
+impl<S: Scalar> Response<S> {
+    pub(crate) const NONE: Self = Self { mean: S::ZERO, along: S::ZERO, across: S::ZERO };
+
+    /// Adds an error of y of an equation, in its sigma.
+    pub(crate) fn add(&mut self, solution: &Solution<S>, equation: &Equation<S>, error: S) {
+        self.mean = self.mean + error * equation.one;
+        self.along = self.along + error * equation.q;
+        self.across = self.across + error * solution.across(equation);
+    }
+
+    /// Changes of bearing, inverse depth and tilt.
+    pub(crate) fn change(&self, solution: &Solution<S>) -> [S; 3] {
+        let (along, across) = (self.along * over(solution.qq), self.across * over(solution.ww));
+        solution.unknowns(self.mean * over(solution.weight), along, across)
     }
 }

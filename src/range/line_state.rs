@@ -1,10 +1,10 @@
 //! [`LineState`]: what is known of an edge after a frame.
 
 use super::covariance::Covariance;
-use super::equation::{Equation, PriorEquation};
+use super::equation::Equation;
 use super::line3::Line3;
 use super::sensitivity::Sensitivity;
-use crate::scalar::{Scalar, dot, hypot};
+use crate::scalar::{Scalar, dot, over};
 
 /// Bearing, inverse depth and tilt, their covariance, and their derivatives by shared errors.
 #[derive(Clone, Copy, Debug)]
@@ -16,24 +16,34 @@ pub(crate) struct LineState<S> {
     pub(crate) sensitivity: Sensitivity<S>,
 }
 
+/// One of three independent statements about an edge: coefficients of the errors of its unknowns.
+#[derive(Clone, Copy)]
+pub(crate) struct Statement<S> {
+    pub(super) coefficients: [S; 3],
+    /// Zero where nothing is stated.
+    pub(super) per_sigma: S,
+}
+
+impl<S: Scalar> Statement<S> {
+    /// About `stated`, for a line that is to be found from `line3` on.
+    pub(super) fn equation(&self, stated: &Line3<S>, line3: &Line3<S>) -> Equation<S> {
+        let off =
+            [stated.bearing - line3.bearing, stated.inverse_depth - line3.inverse_depth, stated.tilt - line3.tilt];
+        let [one, q, w] = self.coefficients;
+        Equation { one, q, w, y: dot(self.coefficients, off) }.scaled(self.per_sigma)
+    }
+}
+
 impl<S: Scalar> LineState<S> {
-    pub(crate) fn equations(&self, line3: &Line3<S>) -> [PriorEquation<S>; 3] {
-        let off = [
-            self.line3.bearing - line3.bearing,
-            self.line3.inverse_depth - line3.inverse_depth,
-            self.line3.tilt - line3.tilt,
-        ];
-        self.covariance.statements().map(|(coefficients, root_weight)| {
-            let [one, q, w] = coefficients;
-            let equation = Equation { one, q, w, y: dot(coefficients, off), root_weight };
-            PriorEquation { equation, errors: self.sensitivity.0.map(|effect| dot(coefficients, effect)) }
-        })
+    pub(crate) fn statements(&self) -> [Statement<S>; 3] {
+        let statements = self.covariance.statements();
+        statements.map(|(coefficients, variance)| Statement { coefficients, per_sigma: over(variance.sqrt()) })
     }
 
     /// Whether another edge is at another depth, by three sigma.
     pub(crate) fn is_apart(&self, other: &Self) -> bool {
-        let ([_, sigma, _], [_, others_sigma, _]) = (self.covariance.sigma, other.covariance.sigma);
+        let ([_, variance, _], [_, others_variance, _]) = (self.covariance.variance, other.covariance.variance);
         let apart = (self.line3.inverse_depth - other.line3.inverse_depth).abs();
-        apart > hypot(sigma, others_sigma) * S::from_i32(3)
+        apart > (variance + others_variance).sqrt() * S::from_i32(3)
     }
 }

@@ -2,73 +2,149 @@
 
 use super::sample::Sample;
 use crate::motion::Motion;
-use crate::scalar::{Scalar, add, cross, dot, scale, sub};
-use crate::setup::Camera;
+use crate::scalar::{Scalar, add, cross, dot, over, sub};
+use crate::setup::{Camera, RaySpan};
 
-/// The ray of a sample: its direction, where it starts, and how it changes along the row.
+/// A normal `n` of the plane through a ray and a direction, as far as a line through the plane y = 0 needs it.
 #[derive(Clone, Copy)]
-pub(crate) struct Observation<S> {
-    /// `R r`
-    pub(crate) direction: [S; 3],
-    /// `R (u, w, 0)`: what a relative change of focal length adds to the direction.
-    pub(crate) off_axis: [S; 3],
-    /// Change of the direction per pixel of column.
-    pub(crate) along_row: [S; 3],
-    pub(crate) position: [S; 3],
-    /// The mean of `m · p` over the sample's spread minus the `m · p` of the means.
-    pub(crate) covariance: S,
-    /// Velocity times time: derivative of the position by a relative error of all times.
-    pub(crate) advanced: [S; 3],
-    /// Rotation rate times time: the same for the attitude.
-    pub(crate) turned: [S; 3],
-    pub(crate) time_s: S,
-    pub(crate) sigma_px: S,
-    /// False once the robust fit has rejected it.
-    pub(crate) is_inlier: bool,
-    /// Factor on the stated noise while the fit is reweighted; one otherwise.
-    pub(crate) robust_scale: S,
+pub(crate) struct Normal<S> {
+    pub(crate) x: S,
+    pub(crate) z: S,
+    /// n · p, with p where the ray starts.
+    pub(crate) moved: S,
 }
 
-impl<S: Scalar> Observation<S> {
-    pub(crate) fn new<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>) -> Option<Self> {
-        let middle = Self::at(camera, motion, sample, S::ZERO)?;
-        if sample.spread.row_px == S::ZERO {
-            return Some(middle);
-        }
-        // Up to the third order, the mean over a span is that of two points one standard deviation off its middle.
-        let before = Self::at(camera, motion, sample, -S::ONE)?;
-        let after = Self::at(camera, motion, sample, S::ONE)?;
-        let half = S::ratio(1, 2);
-        let mean = |a, b| scale(add(a, b), half);
-        let half_change = |a, b| scale(sub(a, b), half);
-        let m_change = cross(half_change(after.direction, before.direction), motion.gravity());
-        Some(Self {
-            direction: mean(after.direction, before.direction),
-            position: mean(after.position, before.position),
-            covariance: dot(m_change, half_change(after.position, before.position)),
-            ..middle
+impl<S: Scalar> Normal<S> {
+    fn of(ray: [S; 3], direction: [S; 3], position: [S; 3]) -> Self {
+        let normal = cross(ray, direction);
+        let [x, _, z] = normal;
+        Self { x, z, moved: dot(normal, position) }
+    }
+}
+
+/// The ray of a sample against the two directions that an edge is made of: twelve numbers, and its noise.
+#[derive(Clone, Copy)]
+pub(crate) struct Observation<S> {
+    /// d × g: m of an upright edge.
+    pub(crate) down: Normal<S>,
+    /// d × e: what a unit of tilt adds.
+    pub(crate) lean: Normal<S>,
+    /// Their changes by a pixel along the row.
+    pub(crate) down_per_px: Normal<S>,
+    pub(crate) lean_per_px: Normal<S>,
+    /// Bearings to the right and downwards in the camera's axes at that time.
+    pub(crate) bearings: [S; 2],
+    pub(crate) time_s: S,
+    pub(crate) sigma_px: S,
+    pub(crate) per_sigma: S,
+    /// False once the robust fit has rejected it.
+    pub(crate) is_inlier: bool,
+}
+
+/// Directions of the rays at the ends of a span, as their mean and half their difference, and the same of the positions.
+struct Rays<S> {
+    direction: [S; 3],
+    half: [S; 3],
+    along_row: [S; 3],
+    position: [S; 3],
+    half_position: [S; 3],
+}
+
+/// From sample to observation, one after the other along a line.
+pub(crate) struct Observer<'a, S, M> {
+    camera: &'a Camera<S>,
+    motion: &'a M,
+    /// Those of the line that the observations are held against.
+    gravity: [S; 3],
+    lean: [S; 3],
+    /// Offset that the lens had at the last sample: its inversion starts from there.
+    lens_offset: [S; 2],
+}
+
+impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
+    pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, [gravity, lean]: [[S; 3]; 2]) -> Self {
+        Self { camera, motion, gravity, lean, lens_offset: [S::ZERO; 2] }
+    }
+
+    /// `None` where the lens model has no ray.
+    pub(crate) fn observe(&mut self, sample: &Sample<S>) -> Option<Observation<S>> {
+        let spread = &sample.spread;
+        let (at, half) = ([sample.column_px, sample.row_px], [spread.column_px, spread.row_px]);
+        let span = self.camera.rays(at, half, &mut self.lens_offset)?;
+        let rays = self.rays(&span, sample.time_s, spread.time_s);
+        let Rays { direction, along_row, position, .. } = rays;
+        let mut down = Normal::of(direction, self.gravity, position);
+        // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and that
+        // of a product the product of the means and this. What it would add to the lean is the product of two small numbers.
+        down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
+        // No less than the rounding of the column itself.
+        let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
+        Some(Observation {
+            down,
+            lean: Normal::of(direction, self.lean, position),
+            down_per_px: Normal::of(along_row, self.gravity, position),
+            lean_per_px: Normal::of(along_row, self.lean, position),
+            bearings: span.middle,
+            time_s: sample.time_s,
+            sigma_px,
+            per_sigma: over(sigma_px),
+            is_inlier: true,
         })
     }
 
-    /// The ray so many standard deviations along the sample's span; `None` where the lens model has none.
-    fn at<M: Motion<S>>(camera: &Camera<S>, motion: &M, sample: &Sample<S>, spreads: S) -> Option<Self> {
-        let spread = &sample.spread;
-        let time_s = sample.time_s + spread.time_s * spreads;
-        let ray = camera.ray(sample.column_px + spread.column_px * spreads, sample.row_px + spread.row_px * spreads)?;
-        let pose = motion.pose(time_s);
-        Some(Self {
-            direction: pose.rotate([ray.u, ray.w, S::ONE]),
-            off_axis: pose.rotate([ray.u, ray.w, S::ZERO]),
-            along_row: pose.rotate([ray.du_dcolumn, ray.dw_dcolumn, S::ZERO]),
-            position: pose.position_m,
-            covariance: S::ZERO,
-            advanced: scale(pose.velocity_m_s, time_s),
-            turned: scale(pose.rate_rad_s, time_s),
-            time_s,
-            // No less than the rounding of the column itself.
-            sigma_px: sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON)),
-            is_inlier: true,
-            robust_scale: S::ONE,
-        })
+    /// The rays in the axes of frame start, where they look and where from.
+    fn rays(&self, span: &RaySpan<S>, time_s: S, half_s: S) -> Rays<S> {
+        let ([u, w], [half_u, half_w], [du, dw]) = (span.middle, span.half, span.along_row);
+        let (direction, half, along_row) = ([u, w, S::ONE], [half_u, half_w, S::ZERO], [du, dw, S::ZERO]);
+        let is_steady = self.motion.keeps_attitude();
+        if half_s == S::ZERO {
+            let pose = self.motion.pose(time_s);
+            let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
+            let none = [S::ZERO; 3];
+            let position = pose.position_m;
+            return Rays {
+                direction: turn(direction),
+                half: none,
+                along_row: turn(along_row),
+                position,
+                half_position: none,
+            };
+        }
+        let (before, after) = (self.motion.pose(time_s - half_s), self.motion.pose(time_s + half_s));
+        let (position, half_position) = middle_and_half(before.position_m, after.position_m);
+        if is_steady {
+            return Rays { direction, half, along_row, position, half_position };
+        }
+        let ends = (before.rotate(sub(direction, half)), after.rotate(add(direction, half)));
+        let (direction, half) = middle_and_half(ends.0, ends.1);
+        let (along_row, _) = middle_and_half(before.rotate(along_row), after.rotate(along_row));
+        Rays { direction, half, along_row, position, half_position }
+    }
+}
+
+fn middle_and_half<S: Scalar>(before: [S; 3], after: [S; 3]) -> ([S; 3], [S; 3]) {
+    let half = sub(after, before).map(S::half);
+    (add(before, half), half)
+}
+
+impl<S: Scalar> Observation<S> {
+    pub(super) fn with_sigma(self, sigma_px: S) -> Self {
+        Self { sigma_px, per_sigma: over(sigma_px), ..self }
+    }
+}
+
+/// The plane of a row at its time: `y = slope · z` from where the camera is.
+pub(crate) struct RowPlane<S> {
+    pub(crate) slope: S,
+    pub(crate) y: S,
+    pub(crate) z: S,
+}
+
+impl<S: Scalar> RowPlane<S> {
+    pub(crate) fn new<M: Motion<S>>(motion: &M, observation: &Observation<S>) -> Self {
+        let pose = motion.pose(observation.time_s);
+        let [u, w] = observation.bearings;
+        let ([_, dy, dz], [_, y, z]) = (pose.rotate([u, w, S::ONE]), pose.position_m);
+        Self { slope: dy / dz, y, z }
     }
 }

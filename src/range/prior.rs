@@ -1,23 +1,23 @@
 //! [`Prior`]: what is known of an edge before its line is seen.
 
 use super::blur::BlurMeasurement;
-use super::equation::{Equation, Equations, PriorEquation};
-use super::line_state::LineState;
+use super::equation::Equation;
+use super::line_state::{LineState, Statement};
 use super::line3::Line3;
 use super::shared_error::SharedError;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, dot, over};
 use crate::setup::Setup;
 
 /// Earlier frames, or an upright edge, and the blur: each becomes an equation of the same least squares.
 #[derive(Clone, Copy)]
-pub(crate) struct Prior<S> {
+pub(crate) struct Prior<'a, S> {
     /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
-    pub(crate) state: Option<LineState<S>>,
-    pub(crate) blur: Option<BlurMeasurement<S>>,
+    pub(super) state: Option<(&'a LineState<S>, [Statement<S>; 3])>,
+    pub(super) blur: Option<&'a BlurMeasurement<S>>,
     /// Blur of the edge, one sigma in pixels.
-    pub(crate) width_px: S,
+    pub(super) width_px: S,
     /// Samples that are known to be those of something else.
-    pub(crate) left_out: SampleSet,
+    pub(super) left_out: SampleSet,
 }
 
 /// A set of a line's samples by their places; those beyond the 64th are in no set.
@@ -38,32 +38,63 @@ impl SampleSet {
     }
 }
 
-impl<S: Scalar> Prior<S> {
-    /// Adds its equations, linearised about `line3`.
-    pub(crate) fn observe<const N: usize>(&self, setup: &Setup<S>, line3: &Line3<S>, equations: &mut Equations<S, N>) {
+/// By how much a unit of a shared error has moved a prior equation.
+pub(super) enum PriorError<'a, S> {
+    /// One error alone.
+    Alone(SharedError, S),
+    /// Through the earlier frames.
+    Earlier(&'a LineState<S>, Statement<S>),
+}
+
+impl<S: Scalar> PriorError<'_, S> {
+    pub(super) fn of(&self, index: usize, error: SharedError) -> S {
+        match self {
+            Self::Alone(of, amount) if *of == error => *amount,
+            Self::Alone(..) => S::ZERO,
+            Self::Earlier(state, statement) => {
+                let effect = state.sensitivity.0.get(index).copied().unwrap_or([S::ZERO; 3]);
+                dot(statement.coefficients, effect) * statement.per_sigma
+            }
+        }
+    }
+}
+
+impl<'a, S: Scalar> Prior<'a, S> {
+    pub(super) fn new(
+        state: Option<&'a LineState<S>>,
+        blur: Option<&'a BlurMeasurement<S>>,
+        width_px: S,
+        left_out: SampleSet,
+    ) -> Self {
+        Self { state: state.map(|state| (state, state.statements())), blur, width_px, left_out }
+    }
+
+    /// Its equations, linearised about `line3`, each with what shared errors do to it. The blur may be left out: far from the
+    /// solution it leads astray.
+    pub(super) fn equations(
+        &self,
+        setup: &Setup<S>,
+        line3: &Line3<S>,
+        with_blur: bool,
+        mut each: impl FnMut(Equation<S>, PriorError<'_, S>),
+    ) {
         match &self.state {
-            Some(state) => state.equations(line3).into_iter().for_each(|equation| add(equations, equation)),
-            None => add(equations, upright(setup, line3)),
+            Some((state, statements)) => {
+                for statement in statements.iter().filter(|statement| statement.per_sigma > S::ZERO) {
+                    each(statement.equation(&state.line3, line3), PriorError::Earlier(state, *statement));
+                }
+            }
+            None => {
+                // An edge is upright, but for its lean and the direction of gravity. A sigma of zero: no tilt at all.
+                let per_sigma = over(setup.uncertainty().sigma_tilt_at(line3.bearing));
+                if per_sigma > S::ZERO {
+                    let equation = Equation { w: per_sigma, y: -(line3.tilt * per_sigma), ..Equation::NOTHING };
+                    each(equation, PriorError::Alone(SharedError::Tilt, per_sigma));
+                }
+            }
         }
-        if let Some(equation) = self.blur.as_ref().and_then(|blur| blur.equation(line3)) {
-            add(equations, equation);
+        if let Some((equation, per_lens_px)) = self.blur.filter(|_| with_blur).and_then(|blur| blur.equation(line3)) {
+            each(equation, PriorError::Alone(SharedError::Lens, -per_lens_px));
         }
-    }
-}
-
-/// A prior with a sigma of zero is none.
-fn add<S: Scalar, const N: usize>(equations: &mut Equations<S, N>, equation: PriorEquation<S>) {
-    if equation.equation.root_weight > S::ZERO {
-        // There is room: three of a state and one of the blur at most.
-        let _ = equations.prior.push(equation);
-    }
-}
-
-/// An upright edge, but for its lean and the direction of gravity.
-fn upright<S: Scalar>(setup: &Setup<S>, line3: &Line3<S>) -> PriorEquation<S> {
-    let root_weight = setup.uncertainty().sigma_tilt_at(line3.bearing);
-    PriorEquation {
-        equation: Equation { one: S::ZERO, q: S::ZERO, w: S::ONE, y: -line3.tilt, root_weight },
-        errors: SharedError::Tilt.alone(S::ONE),
     }
 }

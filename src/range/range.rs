@@ -6,7 +6,7 @@ use super::fit::{Fitted, fit_with};
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::line3::Line3;
-use super::observation::Observation;
+use super::observation::Observer;
 use super::prior::{Prior, SampleSet};
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
@@ -73,7 +73,8 @@ impl<S: Scalar> Range<S> {
         // same, and parallax tells far more.
         let blur_enters = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
-        let prior = Prior { state: earlier, blur: blur.filter(|_| blur_enters), width_px, left_out };
+        let entering = blur.as_ref().filter(|_| blur_enters);
+        let prior = Prior::new(earlier.as_ref(), entering, width_px, left_out);
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
                 range.fill(setup, motion, line, &fitted, earlier.is_none());
@@ -241,10 +242,11 @@ pub(crate) fn column_at<S: Scalar, M: Motion<S>>(
     near: &EdgePoint,
 ) -> S {
     let mut sample = Sample::point(near.column_px(), S::from_i32(i32::from(near.row)), near.time_s(), S::ONE);
+    let mut observer = Observer::new(setup.camera(), motion, [line3.gravity, line3.lean]);
     // Exact in one step without distortion.
-    for _ in 0..3 {
-        match Observation::new(setup.camera(), motion, &sample).and_then(|observation| line3.residual_px(&observation))
-        {
+    let steps = if setup.camera().is_straight() { 1 } else { 3 };
+    for _ in 0..steps {
+        match observer.observe(&sample).and_then(|observation| line3.residual(&observation).px()) {
             Some(off_px) => sample.column_px = sample.column_px - off_px,
             None => break,
         }

@@ -43,12 +43,11 @@ impl<S: Scalar> Sample<S> {
     }
 
     /// With the spread of its rows, and the direction of the line from the neighbours on either side.
-    fn with_spread(self, row_variance: S, before: &Self, after: &Self) -> Self {
+    fn with_spread(self, row_px: S, before: &Self, after: &Self) -> Self {
         let rows = after.row_px - before.row_px;
         if rows == S::ZERO {
             return self;
         }
-        let row_px = row_variance.sqrt();
         let part = row_px / rows;
         let column_px = (after.column_px - before.column_px) * part;
         Self { spread: Spread { column_px, row_px, time_s: (after.time_s - before.time_s) * part }, ..self }
@@ -58,35 +57,84 @@ impl<S: Scalar> Sample<S> {
 impl<const KNOTS: usize> Line<KNOTS> {
     /// The mean of each knot that has points, in the order of readout.
     pub fn samples<S: Scalar>(&self) -> impl Iterator<Item = Sample<S>> {
-        let filled = || self.knots.iter().filter(|knot| knot.points > 0);
+        let spacing = self.row_spacing::<S>();
+        let first = self.first_point::<S>();
+        // Most knots have as many points as the one before.
+        let (mut points, mut per_point, mut row_sigma) = (0, S::ZERO, S::ZERO);
+        let mut means = self.filled().map(move |knot| {
+            if knot.points != points {
+                points = knot.points;
+                per_point = S::ONE / S::from_i32(i32::from(points));
+                row_sigma = self.row_sigma(points, spacing);
+            }
+            (row_sigma, self.mean(knot, &first, per_point))
+        });
         // Windows of three; at the ends the knot itself stands in for the neighbour it lacks.
-        let before = filled().take(1).chain(filled());
-        let after = filled().skip(1).chain(filled().next_back());
-        filled().zip(before).zip(after).map(|((knot, before), after)| {
-            self.mean::<S>(knot).with_spread(self.row_variance(knot), &self.mean(before), &self.mean(after))
+        let (mut before, mut next) = (None, means.next());
+        core::iter::from_fn(move || {
+            let (row_sigma, sample) = next?;
+            next = means.next();
+            let after = next.map_or(sample, |(_, after)| after);
+            let with_spread = sample.with_spread(row_sigma, &before.unwrap_or(sample), &after);
+            before = Some(sample);
+            Some(with_spread)
         })
     }
 
-    fn mean<S: Scalar>(&self, knot: &Knot) -> Sample<S> {
+    /// The samples at both ends and in the middle; one of them may stand for another.
+    pub(crate) fn first_middle_and_last<S: Scalar>(&self) -> Option<[Sample<S>; 3]> {
+        let half = self.filled().count() / 2;
+        let mut samples = self.samples();
+        let first = samples.next()?;
+        let (mut middle, mut last) = (first, first);
+        for (sample, place) in samples.zip(1..) {
+            last = sample;
+            middle = if place == half { sample } else { middle };
+        }
+        Some([first, middle, last])
+    }
+
+    /// The mean of the knot in the middle, without its spread.
+    pub(super) fn middle_mean<S: Scalar>(&self) -> Option<Sample<S>> {
+        let first = self.first_point::<S>();
+        let knot = self.filled().nth(self.filled().count() / 2)?;
+        Some(self.mean(knot, &first, S::ONE / S::from_i32(i32::from(knot.points))))
+    }
+
+    fn filled(&self) -> impl Iterator<Item = &Knot> {
+        self.knots.iter().filter(|knot| knot.points > 0)
+    }
+
+    fn first_point<S: Scalar>(&self) -> Sample<S> {
         let first = &self.first;
-        let points = i64::from(knot.points);
-        let rows = if self.last.row < first.row { -i64::from(knot.rows) } else { i64::from(knot.rows) };
+        Sample::point(first.column_px(), S::from_i32(i32::from(first.row)), first.time_s(), S::ZERO)
+    }
+
+    fn mean<S: Scalar>(&self, knot: &Knot, first: &Sample<S>, per_point: S) -> Sample<S> {
+        let rows = if self.last.row < self.first.row { -i64::from(knot.rows) } else { i64::from(knot.rows) };
+        let mean = |sum: i64| S::from_i64(sum) * per_point;
+        let per_q16 = S::ratio(1, 1 << 16);
+        let variances = knot.variances_q32.min(i64::MAX as u64) as i64;
         Sample::point(
-            S::from_ratio(i64::from(first.column_q16) * points + knot.columns_q16, points << 16),
-            S::from_ratio(i64::from(first.row) * points + rows, points),
-            first.time_s::<S>() + S::from_ratio(knot.times_ns, points * NS_PER_S),
-            S::from_ratio(knot.variances_q32.isqrt() as i64, points << 16),
+            first.column_px + mean(knot.columns_q16) * per_q16,
+            first.row_px + mean(rows),
+            first.time_s + mean(knot.times_ns) * S::ratio(1, NS_PER_S as i32),
+            // The root of their sum, over their number.
+            S::from_i64(variances).sqrt() * per_q16 * per_point,
         )
     }
 
-    /// Variance of the rows in a knot, in square pixels, if they are spaced as evenly as those of the whole line.
-    fn row_variance<S: Scalar>(&self, knot: &Knot) -> S {
-        let between = i64::from(self.points.saturating_sub(1)).max(1);
-        let spacing = S::from_ratio(i64::from(self.last.row.abs_diff(self.first.row)), between);
-        let extent = spacing * S::from_i32(i32::from(knot.points));
+    /// Rows from one point to the next, if they are evenly spaced.
+    fn row_spacing<S: Scalar>(&self) -> S {
+        let between = i32::from(self.points.saturating_sub(1)).max(1);
+        S::from_i32(i32::from(self.last.row.abs_diff(self.first.row))) / S::from_i32(between)
+    }
+
+    /// One standard deviation of the rows in a knot, if they are spaced as evenly as those of the whole line.
+    fn row_sigma<S: Scalar>(&self, points: u16, spacing: S) -> S {
         let span = S::from_i32(1 << self.span_log2);
-        let smallest = if extent < span { extent } else { span };
+        let extent = (spacing * S::from_i32(i32::from(points))).min(span);
         // n points d apart have the variance (n² − 1) d²/12.
-        ((smallest * smallest - spacing * spacing) * S::ratio(1, 12)).max(S::ZERO)
+        ((extent * extent - spacing * spacing) * S::ratio(1, 12)).max(S::ZERO).sqrt()
     }
 }

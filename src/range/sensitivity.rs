@@ -2,10 +2,6 @@
 
 use super::budget::Budget;
 use super::covariance::Covariance;
-use super::equation::Equations;
-use super::least_squares::Solution;
-use super::line3::Line3;
-use super::observation::Observation;
 use super::shared_error::{SHARED_ERRORS, SharedError};
 use crate::scalar::{Scalar, hypot, scale};
 use crate::setup::Setup;
@@ -16,31 +12,13 @@ use crate::setup::Setup;
 pub(crate) struct Sensitivity<S>(pub(crate) [[S; 3]; SHARED_ERRORS]);
 
 impl<S: Scalar> Sensitivity<S> {
-    pub(crate) const NONE: Self = Self([[S::ZERO; 3]; SHARED_ERRORS]);
-
-    pub(crate) fn of<const N: usize>(
-        observations: &[Observation<S>],
-        line3: &Line3<S>,
-        equations: &Equations<S, N>,
-        solution: &Solution<S>,
-        setup: &Setup<S>,
-    ) -> Self {
-        let mut sensitivity = Self::NONE;
-        for ((index, error), effect) in SharedError::ALL.into_iter().enumerate().zip(&mut sensitivity.0) {
-            if error.sigma(setup, line3.bearing) > S::ZERO {
-                let of_observations = observations.iter().map(|observation| error.error(observation, line3));
-                let prior =
-                    equations.prior.iter().map(|equation| equation.errors.get(index).copied().unwrap_or(S::ZERO));
-                *effect = solution.response(equations, of_observations.chain(prior));
-            }
-        }
-        sensitivity
-    }
-
     /// Each error with what one standard deviation of it does.
     fn scaled_by_sigma(&self, setup: &Setup<S>, bearing: S) -> impl Iterator<Item = (SharedError, [S; 3])> {
         let errors = SharedError::ALL.into_iter().zip(self.0);
-        errors.map(move |(error, effect)| (error, scale(effect, error.sigma(setup, bearing))))
+        errors.filter_map(move |(error, effect)| {
+            let sigma = error.sigma(setup, bearing);
+            (sigma > S::ZERO).then(|| (error, scale(effect, sigma)))
+        })
     }
 
     /// The covariance from noise and priors, with the errors that all samples share.
@@ -51,7 +29,7 @@ impl<S: Scalar> Sensitivity<S> {
 
     /// Which part of the inverse depth's sigma comes from where.
     pub(crate) fn budget(&self, own: &Covariance<S>, setup: &Setup<S>, bearing: S) -> Budget<S> {
-        let [_, independent_per_m, _] = own.sigma;
+        let [_, independent_per_m, _] = own.sigma();
         let mut budget = Budget::of_noise(independent_per_m);
         for (error, [_, effect, _]) in self.scaled_by_sigma(setup, bearing) {
             let part = effect.abs();

@@ -1,8 +1,6 @@
 //! [`SharedError`]: an error that all samples of an edge share. docs/model.md, section 6.
 
-use super::line3::Line3;
-use super::observation::Observation;
-use crate::scalar::{Scalar, cross, dot, on_axis};
+use crate::scalar::Scalar;
 use crate::setup::Setup;
 
 /// Something that is assumed, and may be wrong in the same way for all samples of an edge.
@@ -41,30 +39,8 @@ impl SharedError {
         }
     }
 
-    /// An error of this kind alone.
-    pub(crate) fn alone<S: Scalar>(self, error: S) -> [S; SHARED_ERRORS] {
-        Self::ALL.map(|cause| if cause == self { error } else { S::ZERO })
-    }
-
     /// Whether the noise of the prior equations includes it already.
     pub(super) fn is_in_prior(self) -> bool {
         matches!(self, Self::Tilt | Self::Lens)
-    }
-
-    /// What a unit error adds to y = −F/m_x of an observation.
-    pub(super) fn error<S: Scalar>(self, observation: &Observation<S>, line3: &Line3<S>) -> S {
-        let still = [S::ZERO; 3];
-        let (direction, position) = match self {
-            Self::Tilt | Self::Lens => return S::ZERO,
-            Self::Speed => (still, observation.position),
-            Self::Rate(axis) => (cross(on_axis(axis, observation.time_s), observation.direction), still),
-            Self::Readout => (cross(observation.turned, observation.direction), observation.advanced),
-            Self::Focal => (observation.off_axis, still),
-        };
-        let down = line3.direction();
-        let m = cross(observation.direction, down);
-        let [mx, _, _] = m;
-        let turned = line3.offset(cross(direction, down), observation);
-        (line3.inverse_depth * dot(m, position) - turned) / mx
     }
 }

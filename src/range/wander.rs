@@ -5,14 +5,11 @@ use heapless::Vec;
 use super::goodness_of_fit::chance_limit;
 use super::modes::Modes;
 use super::sample::Sample;
+use super::tuning::ROUGHNESS_ROWS;
 use crate::scalar::{Scalar, hypot};
 use crate::setup::Readout;
 
 const PS_PER_S: i64 = 1_000_000_000_000;
-
-/// Rows over which the roughness of an edge is alike: real edges keep half of their correlation over six rows, which makes
-/// sixteen rows as good as one independent value.
-const ROUGHNESS_ROWS: i32 = 16;
 
 /// A wander that is alike over more than this share of an edge passes for its place and slope.
 const LONGEST: (i32, i32) = (2, 5);

@@ -1,26 +1,142 @@
-//! [`Q32`]: 32.32 fixed point, for cores without floating point.
+//! [`Q32`]: a 32-bit integer with a scale of its own, for cores without floating point.
 
+use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use ::fixed::types::I32F32;
 
 use super::scalar::{Scalar, sealed};
 
-/// A fixed-point number of 32 whole and 32 fractional bits that saturates: ±2.1·10⁹ in steps of 2.3·10⁻¹⁰.
+/// A number of 31 bits and a power of two, from 2⁻¹²⁶ to 2¹²⁷ in size, in integer arithmetic only: no product or quotient has
+/// more than 64 bits, and none is made by a division. What leaves the range becomes the largest number, which
+/// [`is_finite`](Scalar::is_finite) tells, or zero.
 ///
-/// Everything is integer arithmetic; `from_f64` and `to_f64` are the only places where a float appears. The
-/// trigonometric functions are good to 2·10⁻⁹ (tangent: relative to 1 + tan²) for angles up to 2π.
-#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+/// Sums, products, quotients and roots are good to 4·10⁻⁹ of the larger operand or of the result. The trigonometric
+/// functions are good to 4·10⁻⁹ (tangent: relative to 1 + tan²) for angles up to 2π.
+///
+/// ```
+/// use fixed::types::I32F32;
+/// use shutter_range::Q32;
+/// let focal_px = Q32::from(I32F32::lit("612.5"));
+/// assert_eq!((focal_px / focal_px + focal_px).to_fixed(), I32F32::lit("613.5"));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Q32(pub I32F32);
+pub struct Q32 {
+    /// Zero, or in size from 2³⁰ to 2³¹ − 1.
+    mantissa: i32,
+    /// The value is mantissa · 2^exponent.
+    exponent: i32,
+}
 
 impl sealed::Sealed for Q32 {}
+
+/// A larger exponent is that of a number that has left the range.
+const LARGEST: i32 = 96;
+const SMALLEST: i32 = -156;
+/// Of what has left the range: so large that it stays outside in any product.
+const INFINITE: i32 = 1 << 24;
+/// Of zero: so small that any other number swallows it in a sum.
+const OF_ZERO: i32 = -(1 << 24);
+
+impl Q32 {
+    /// A mantissa whose size is from 2³⁰ to 2³¹ − 1.
+    #[inline(always)]
+    const fn bounded(mantissa: i32, exponent: i32) -> Self {
+        if exponent > LARGEST {
+            return Self { mantissa: if mantissa < 0 { -i32::MAX } else { i32::MAX }, exponent: INFINITE };
+        }
+        if exponent < SMALLEST {
+            return Self::ZERO;
+        }
+        Self { mantissa, exponent }
+    }
+
+    /// Any mantissa.
+    #[inline(always)]
+    const fn normalised(mantissa: i32, exponent: i32) -> Self {
+        match mantissa.unsigned_abs().leading_zeros() as i32 {
+            1 => Self { mantissa, exponent },
+            32 => Self::ZERO,
+            0 => Self::bounded(mantissa >> 1, exponent + 1),
+            zeros => Self::bounded(mantissa << (zeros - 1), exponent - (zeros - 1)),
+        }
+    }
+
+    /// A size of up to 64 bits, and a sign.
+    #[inline(always)]
+    const fn of_size(is_negative: bool, size: u64, exponent: i32) -> Self {
+        if size == 0 {
+            return Self::ZERO;
+        }
+        let zeros = size.leading_zeros() as i32;
+        let shifted = size << zeros;
+        let rounded = (shifted >> 33) as u32 + ((shifted >> 32) & 1) as u32;
+        // Rounding up can carry to 2³¹.
+        let (mantissa, carry) = if rounded >> 31 == 0 { (rounded as i32, 0) } else { (1 << 30, 1) };
+        Self::bounded(if is_negative { -mantissa } else { mantissa }, exponent + 33 - zeros + carry)
+    }
+
+    /// The whole part, rounded down; the largest number of its sign where it is larger.
+    fn floor(self) -> i64 {
+        let wide = i64::from(self.mantissa);
+        match self.exponent {
+            exponent @ 0..=32 => wide << exponent,
+            exponent @ -63..0 => wide >> -exponent,
+            exponent if exponent < 0 => wide >> 63,
+            _ if wide < 0 => i64::MIN,
+            _ => i64::MAX,
+        }
+    }
+
+    /// As a number of the crate `fixed`, rounded down; the largest of its sign where it is larger.
+    #[must_use]
+    pub fn to_fixed(self) -> I32F32 {
+        I32F32::from_bits(self.times_power_of_two(32).floor())
+    }
+
+    fn times_power_of_two(self, power: i32) -> Self {
+        if self.mantissa == 0 { self } else { Self::bounded(self.mantissa, self.exponent + power) }
+    }
+
+    fn is_infinite(self) -> bool {
+        self.exponent > LARGEST
+    }
+}
+
+impl From<I32F32> for Q32 {
+    fn from(value: I32F32) -> Self {
+        Self::from_i64(value.to_bits()).times_power_of_two(-32)
+    }
+}
+
+impl Default for Q32 {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
 
 impl Add for Q32 {
     type Output = Self;
 
+    #[inline(never)]
     fn add(self, other: Self) -> Self {
-        Self(self.0.saturating_add(other.0))
+        let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
+        // Without overflow: exponents are far from those of the integers.
+        let shift = large.exponent - small.exponent;
+        if shift > 31 || large.is_infinite() {
+            return large;
+        }
+        let (sum, overflows) = large.mantissa.overflowing_add(small.mantissa >> shift);
+        if overflows {
+            // The sign bit is the one that was lost.
+            Self::bounded((sum >> 1) ^ i32::MIN, large.exponent + 1)
+        } else if sum.unsigned_abs() >> 30 == 1 {
+            // Most sums need no shift, and not every core counts zeros.
+            Self { mantissa: sum, exponent: large.exponent }
+        } else {
+            Self::normalised(sum, large.exponent)
+        }
     }
 }
 
@@ -28,54 +144,166 @@ impl Sub for Q32 {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        Self(self.0.saturating_sub(other.0))
+        self + -other
     }
 }
 
 impl Neg for Q32 {
     type Output = Self;
 
+    #[inline]
     fn neg(self) -> Self {
-        Self(self.0.saturating_neg())
+        // A mantissa is never the smallest integer.
+        Self { mantissa: self.mantissa.wrapping_neg(), ..self }
     }
+}
+
+/// The product of two integers: its upper and its lower half.
+#[inline(always)]
+fn product(a: i32, b: i32) -> (i32, u32) {
+    if cfg!(target_has_atomic = "32") {
+        let product = i64::from(a) * i64::from(b);
+        return ((product >> 32) as i32, product as u32);
+    }
+    // The smallest cores multiply to 32 bits only, and are the only ones that have no atomic exchange.
+    const LOW: i32 = 0xffff;
+    let (a_high, a_low, b_high, b_low) = (a >> 16, a & LOW, b >> 16, b & LOW);
+    let low = (a_low as u32).wrapping_mul(b_low as u32);
+    let (mixed, other) = (a_low.wrapping_mul(b_high), a_high.wrapping_mul(b_low));
+    let middle = (low >> 16) + (mixed & LOW) as u32 + (other & LOW) as u32;
+    let high = a_high.wrapping_mul(b_high).wrapping_add(mixed >> 16).wrapping_add(other >> 16);
+    (high.wrapping_add((middle >> 16) as i32), (middle << 16) | (low & LOW as u32))
+}
+
+/// The product over 2 to the power of `32 - LEFT`; what does not fit is lost.
+#[inline(always)]
+fn product_shifted<const LEFT: u32>(a: i32, b: i32) -> i32 {
+    let (high, low) = product(a, b);
+    (high << LEFT) | (low >> (32 - LEFT)) as i32
 }
 
 impl Mul for Q32 {
     type Output = Self;
 
-    /// Rounds to nearest: truncation would bias long sums.
+    #[inline(never)]
     fn mul(self, other: Self) -> Self {
-        let product = i128::from(self.0.to_bits()) * i128::from(other.0.to_bits());
-        Self::saturate((product + (1 << 31)) >> 32)
+        const QUARTER: i32 = 1 << 29;
+        // Half of all factors are zero where the camera is level.
+        if self.mantissa == 0 || other.mantissa == 0 {
+            return Self::ZERO;
+        }
+        let (high, low) = product(self.mantissa, other.mantissa);
+        let exponent = self.exponent + other.exponent;
+        if -QUARTER < high && high < QUARTER {
+            Self::bounded((high << 2) | (low >> 30) as i32, exponent + 30)
+        } else if high == -QUARTER {
+            Self::bounded(-1 << 30, exponent + 31)
+        } else {
+            Self::bounded((high << 1) | (low >> 31) as i32, exponent + 31)
+        }
     }
 }
 
 impl Div for Q32 {
     type Output = Self;
 
+    #[inline(never)]
     fn div(self, other: Self) -> Self {
-        let numerator = i128::from(self.0.to_bits()) << 32;
-        match numerator.checked_div(i128::from(other.0.to_bits())) {
-            Some(quotient) => Self::saturate(quotient),
-            None if self < Self::ZERO => Self(I32F32::MIN),
-            None => Self(I32F32::MAX),
+        let size = other.mantissa.unsigned_abs();
+        if size == 0 || self.is_infinite() {
+            return Self::bounded(if self.mantissa < 0 { i32::MIN } else { i32::MAX }, INFINITE);
         }
+        let reciprocal = reciprocal(size);
+        let mantissa = if other.mantissa < 0 { -reciprocal } else { reciprocal };
+        self * Self { mantissa, exponent: -61 - other.exponent }
     }
 }
 
-impl Q32 {
-    fn saturate(bits: i128) -> Self {
-        let clamped = bits.clamp(i128::from(i64::MIN), i128::from(i64::MAX));
-        Self(I32F32::from_bits(clamped as i64))
+impl PartialOrd for Q32 {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        let signs = self.mantissa.signum().cmp(&other.mantissa.signum());
+        let sizes = || (self.exponent, self.mantissa).cmp(&(other.exponent, other.mantissa));
+        let by_size = || (other.exponent, self.mantissa).cmp(&(self.exponent, other.mantissa));
+        Some(signs.then_with(|| if self.mantissa < 0 { by_size() } else { sizes() }))
     }
 
-    const fn constant(bits: i64) -> Self {
-        Self(I32F32::from_bits(bits))
+    #[inline]
+    fn gt(&self, other: &Self) -> bool {
+        other < self
+    }
+
+    #[inline(never)]
+    fn lt(&self, other: &Self) -> bool {
+        let (a, b) = (self.mantissa, other.mantissa);
+        // A zero, or different signs: the mantissas tell.
+        if (a ^ b) < 0 || a == 0 || b == 0 || self.exponent == other.exponent {
+            return a < b;
+        }
+        (self.exponent < other.exponent) == (a > 0)
+    }
+
+    #[inline]
+    fn ge(&self, other: &Self) -> bool {
+        !(self < other)
+    }
+
+    #[inline]
+    fn le(&self, other: &Self) -> bool {
+        !(other < self)
     }
 }
 
-/// π/2 in units of 2⁻³².
-const HALF_PI: Q32 = Q32::constant(6_746_518_852);
+/// 2⁶¹/x of an x from 2³⁰ to 2³¹, by Newton's method from a table: 15 bits after a short step, 29 after one more.
+fn reciprocal(x: u32) -> i32 {
+    let start = i32::from(RECIPROCALS[(x >> 23) as usize & 127]);
+    let off = (1 << 27) - (x >> 15) as i32 * start;
+    let short = ((start << 4) + ((start * (off >> 4)) >> 19)).min(0xffff);
+    let r = short << 15;
+    // 2³¹ less what the product comes to: the smallest integer stands for it.
+    let off = i32::MIN.wrapping_sub(product_shifted::<2>(x as i32, r));
+    r.saturating_add(product_shifted::<1>(r, off))
+}
+
+/// √(x · 2³¹) of an x from 2²⁹ to 2³¹, by way of the reciprocal root: two short steps and one more.
+fn root(x: u32) -> i32 {
+    let start = i32::from(RECIPROCAL_ROOTS[(x >> 24) as usize & 127]);
+    let short_x = (x >> 15) as i32;
+    let off = (1 << 30) - short_x * (start * start);
+    let short = ((start << 8) + ((start * (off >> 8)) >> 15)).min(0xffff);
+    let square = ((short as u32 * short as u32) >> 16) as i32;
+    let off = (1 << 30) - short_x * square;
+    let y = (short + ((short * (off >> 8)) >> 23)).min(0xffff) << 15;
+    let square = product(y, y).0;
+    let off = (1 << 30) - product_shifted::<3>(x as i32, square);
+    let y = y.saturating_add(product_shifted::<1>(y, off));
+    product_shifted::<2>(x as i32, y)
+}
+
+/// 2¹⁹/x for x from 128 to 256, at the middles of its steps.
+const RECIPROCALS: [u16; 128] = {
+    let mut table = [0; 128];
+    let mut i = 0;
+    while i < 128 {
+        table[i] = ((1 << 20) / (257 + 2 * i as u32)) as u16;
+        i += 1;
+    }
+    table
+};
+
+/// 128/√(x/128) for x from 32 to 128, at the middles of its steps.
+const RECIPROCAL_ROOTS: [u8; 128] = {
+    let mut table = [0; 128];
+    let mut i = 32;
+    while i < 128 {
+        let sixteenfold = ((1_u32 << 30) / (2 * i as u32 + 1)).isqrt();
+        table[i] = ((sixteenfold + 8) / 16) as u8;
+        i += 1;
+    }
+    table
+};
+
+/// π/2 in two parts, of which the second continues the first.
+const HALF_PI: [Q32; 2] = [Q32::normalised(1_686_629_713, -30), Q32::normalised(70064198, -60)];
 
 /// Sum of `x^(2k) / ((start + 1)(start + 2)…)` with alternating signs: the series of sine (start 1) and cosine (0).
 fn alternating_series(square: Q32, start: i32) -> Q32 {
@@ -90,9 +318,10 @@ fn alternating_series(square: Q32, start: i32) -> Q32 {
 
 /// Reduces an angle by the nearest multiple of π/2: the rest, within ±π/4, and the multiple modulo 4.
 fn quadrant(angle: Q32) -> (Q32, i64) {
-    let turns = (angle / HALF_PI + Q32::ratio(1, 2)).0.to_bits() >> 32;
-    let whole = HALF_PI.0.saturating_mul_int(turns);
-    (angle - Q32(whole), turns & 3)
+    let [high, low] = HALF_PI;
+    let turns = (angle / high + Q32::ratio(1, 2)).floor();
+    let whole = Q32::from_i64(turns);
+    (angle - whole * high - whole * low, turns & 3)
 }
 
 fn sine_of_quadrant(small: Q32, quarter: i64) -> Q32 {
@@ -102,38 +331,91 @@ fn sine_of_quadrant(small: Q32, quarter: i64) -> Q32 {
 }
 
 impl Scalar for Q32 {
-    const ZERO: Self = Self::constant(0);
-    const ONE: Self = Self::constant(1 << 32);
-    const EPSILON: Self = Self::constant(1);
-    const UNKNOWN: Self = Self::constant(1_000_000 << 32);
+    const ZERO: Self = Self { mantissa: 0, exponent: OF_ZERO };
+    const ONE: Self = Self { mantissa: 1 << 30, exponent: -30 };
+    const EPSILON: Self = Self { mantissa: 1 << 30, exponent: -60 };
+    const UNKNOWN: Self = Self::normalised(1_000_000, 0);
 
     fn from_i32(value: i32) -> Self {
-        Self::constant(i64::from(value) << 32)
+        Self::normalised(value, 0)
+    }
+
+    fn from_i64(value: i64) -> Self {
+        Self::of_size(value < 0, value.unsigned_abs(), 0)
     }
 
     fn from_ratio(numerator: i64, denominator: i64) -> Self {
-        let scaled = i128::from(numerator) << 32;
-        scaled.checked_div(i128::from(denominator)).map_or(Self::ZERO, Self::saturate)
+        if denominator == 0 { Self::ZERO } else { Self::from_i64(numerator) / Self::from_i64(denominator) }
+    }
+
+    /// Rounds once, and is made when compiled where both numbers are constants.
+    #[inline(always)]
+    fn ratio(numerator: i32, denominator: i32) -> Self {
+        let (size, by) = (u64::from(numerator.unsigned_abs()), u64::from(denominator.unsigned_abs()));
+        if size == 0 {
+            return Self::ZERO;
+        }
+        // 63 bits over at most 32 leave at least 31.
+        let zeros = size.leading_zeros() - 1;
+        let quotient = (size << zeros).checked_div(by).unwrap_or(0);
+        Self::of_size((numerator < 0) != (denominator < 0), quotient, -(zeros as i32))
     }
 
     fn from_f64(value: f64) -> Self {
-        if value.is_nan() { Self::ZERO } else { Self(I32F32::saturating_from_num(value)) }
+        let bits = value.to_bits();
+        let exponent = (bits >> 52) as i32 & 0x7ff;
+        let mantissa = (bits & ((1 << 52) - 1)) | (1 << 52);
+        let is_negative = bits >> 63 == 1;
+        match exponent {
+            // Zero, or too small for a number.
+            0 => Self::ZERO,
+            0x7ff if value.is_nan() => Self::ZERO,
+            0x7ff => Self::bounded(if is_negative { -i32::MAX } else { i32::MAX }, INFINITE),
+            _ => Self::of_size(is_negative, mantissa, exponent - 1075),
+        }
     }
 
     fn to_f64(self) -> f64 {
-        self.0.to_num()
+        if self.mantissa == 0 {
+            return 0.0;
+        }
+        let sign = u64::from(self.mantissa < 0) << 63;
+        let size = u64::from(self.mantissa.unsigned_abs());
+        // The leading bit is number 30.
+        let exponent = (self.exponent + 30 + 1023) as u64;
+        f64::from_bits(sign | (exponent << 52) | ((size << 22) & ((1 << 52) - 1)))
+    }
+
+    fn to_i64(self) -> i64 {
+        let size = Self { mantissa: self.mantissa.wrapping_abs(), ..self }.floor();
+        if self.mantissa < 0 { -size } else { size }
+    }
+
+    fn half(self) -> Self {
+        self.times_power_of_two(-1)
+    }
+
+    fn abs(self) -> Self {
+        Self { mantissa: self.mantissa.wrapping_abs(), ..self }
+    }
+
+    fn is_nan(self) -> bool {
+        false
     }
 
     fn is_finite(self) -> bool {
-        self.0 != I32F32::MAX && self.0 != I32F32::MIN
+        !self.is_infinite()
     }
 
     fn sqrt(self) -> Self {
-        let bits = self.0.to_bits();
-        if bits <= 0 {
-            return Self::ZERO;
+        if self.mantissa <= 0 || self.is_infinite() {
+            return if self.mantissa > 0 { self } else { Self::ZERO };
         }
-        Self::constant((bits.unsigned_abs() as u128).wrapping_shl(32).isqrt() as i64)
+        // 2^(e + 31) has a whole root where e is odd.
+        let is_even = self.exponent & 1 == 0;
+        let (x, exponent) =
+            if is_even { (self.mantissa >> 1, self.exponent + 1) } else { (self.mantissa, self.exponent) };
+        Self::normalised(root(x as u32), (exponent + 31) / 2 - 31)
     }
 
     fn sin(self) -> Self {
@@ -160,9 +442,10 @@ impl Scalar for Q32 {
             let (sine, cosine) = (angle.sin(), angle.cos());
             angle = angle + (slope * cosine - sine) / (cosine + slope * sine);
         }
+        let [half_pi, _] = HALF_PI;
         match steep {
-            true if self < Self::ZERO => -HALF_PI - angle,
-            true => HALF_PI - angle,
+            true if self < Self::ZERO => -half_pi - angle,
+            true => half_pi - angle,
             false => angle,
         }
     }
@@ -170,15 +453,16 @@ impl Scalar for Q32 {
 
 #[cfg(feature = "serde")]
 impl serde::Serialize for Q32 {
-    /// Writes the bits, in units of 2⁻³², so that nothing is lost.
+    /// Writes mantissa and exponent, so that nothing is lost.
     fn serialize<T: serde::Serializer>(&self, serializer: T) -> Result<T::Ok, T::Error> {
-        serializer.serialize_i64(self.0.to_bits())
+        serde::Serialize::serialize(&(self.mantissa, self.exponent), serializer)
     }
 }
 
 #[cfg(feature = "serde")]
 impl<'de> serde::Deserialize<'de> for Q32 {
     fn deserialize<T: serde::Deserializer<'de>>(deserializer: T) -> Result<Self, T::Error> {
-        <i64 as serde::Deserialize>::deserialize(deserializer).map(Self::constant)
+        let (mantissa, exponent) = <(i32, i32) as serde::Deserialize>::deserialize(deserializer)?;
+        Ok(Self::normalised(mantissa, exponent.clamp(OF_ZERO, INFINITE)))
     }
 }

@@ -1,11 +1,11 @@
 //! `f32` and `f64` on `libm`: the same bits on every machine.
 
-use super::scalar::{Scalar, sealed};
+use super::scalar::{Scalar, sealed, widened};
 
 /// The two types differ in nothing but their names; a back end's functions are called by full path, because the
 /// inherent methods that std adds on a desktop would win silently and give other bits.
 macro_rules! scalar_on_libm {
-    ($float:ident, $sqrt:ident, $sin:ident, $cos:ident, $tan:ident, $atan:ident) => {
+    ($float:ident, $widened:path, $sqrt:ident, $sin:ident, $cos:ident, $tan:ident, $atan:ident) => {
         impl sealed::Sealed for $float {}
 
         impl Scalar for $float {
@@ -15,6 +15,10 @@ macro_rules! scalar_on_libm {
             const UNKNOWN: Self = 1e6;
 
             fn from_i32(value: i32) -> Self {
+                value as Self
+            }
+
+            fn from_i64(value: i64) -> Self {
                 value as Self
             }
 
@@ -30,7 +34,11 @@ macro_rules! scalar_on_libm {
             }
 
             fn to_f64(self) -> f64 {
-                f64::from(self)
+                $widened(self)
+            }
+
+            fn to_i64(self) -> i64 {
+                self as i64
             }
 
             fn is_finite(self) -> bool {
@@ -60,5 +68,5 @@ macro_rules! scalar_on_libm {
     };
 }
 
-scalar_on_libm!(f32, sqrtf, sinf, cosf, tanf, atanf);
-scalar_on_libm!(f64, sqrt, sin, cos, tan, atan);
+scalar_on_libm!(f32, widened, sqrtf, sinf, cosf, tanf, atanf);
+scalar_on_libm!(f64, core::convert::identity, sqrt, sin, cos, tan, atan);

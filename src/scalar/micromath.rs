@@ -4,7 +4,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use ::micromath::F32Ext;
 
-use super::scalar::{Scalar, sealed};
+use super::scalar::{Scalar, sealed, widened};
 
 /// An `f32` whose trigonometry is micromath's: a few instructions, an error of a few 10⁻⁴ to 10⁻³.
 ///
@@ -52,6 +52,10 @@ impl Scalar for Micro {
         Self(value as f32)
     }
 
+    fn from_i64(value: i64) -> Self {
+        Self(value as f32)
+    }
+
     fn from_ratio(numerator: i64, denominator: i64) -> Self {
         if denominator == 0 {
             return Self(0.0);
@@ -64,7 +68,11 @@ impl Scalar for Micro {
     }
 
     fn to_f64(self) -> f64 {
-        f64::from(self.0)
+        widened(self.0)
+    }
+
+    fn to_i64(self) -> i64 {
+        self.0 as i64
     }
 
     fn is_finite(self) -> bool {

@@ -7,7 +7,7 @@
 //! | --- | --- | --- | --- |
 //! | `f32`, `f64` | `libm` | native | `libm` |
 //! | [`Micro`] | `micromath` | native `f32` | `micromath`, coarse |
-//! | [`Q32`] | `fixed` | 32.32 bits, saturating | integers only |
+//! | [`Q32`] | `fixed` | 31 bits and a power of two, integers only | the same |
 
 mod scalar;
 mod vector;
@@ -23,5 +23,5 @@ pub use self::micromath::Micro;
 #[cfg(feature = "fixed")]
 pub use fixed::Q32;
 pub use scalar::Scalar;
-pub(crate) use scalar::{NS_PER_S, hypot, ln};
+pub(crate) use scalar::{NS_PER_S, hypot, ln, over};
 pub(crate) use vector::{add, cross, dot, on_axis, scale, sub};

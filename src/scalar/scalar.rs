@@ -5,8 +5,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number of one of the back ends.
 ///
-/// *Range*: at least ±2·10⁹ with a resolution of 2.4·10⁻¹⁰ or 24 bits, whichever is coarser. What leaves the range
-/// becomes infinite (floating point) or the largest number (fixed point), never a panic; so does a division by zero.
+/// *Range*: at least 10⁻³⁸ to 10³⁸ in size, with at least 24 bits. What leaves the range becomes infinite (floating point) or
+/// the largest number (fixed point), never a panic; so does a division by zero.
 ///
 /// This trait is sealed: the estimator's stated errors hold for the implementations of this crate.
 pub trait Scalar:
@@ -32,12 +32,16 @@ pub trait Scalar:
 
     /// The whole number `value`, rounded where the type has fewer bits.
     fn from_i32(value: i32) -> Self;
+    /// The whole number `value`, rounded where the type has fewer bits.
+    fn from_i64(value: i64) -> Self;
     /// `numerator / denominator`, rounded once or twice; zero where the denominator is zero.
     fn from_ratio(numerator: i64, denominator: i64) -> Self;
     /// The nearest number; out of range saturates in fixed point, and NaN becomes zero there.
     fn from_f64(value: f64) -> Self;
     /// The value in double precision.
     fn to_f64(self) -> f64;
+    /// The whole part, cut off; the largest number of its sign where it is larger, and zero for what is not a number.
+    fn to_i64(self) -> i64;
     /// Whether it is a number within the range: not NaN, not infinite and not saturated.
     fn is_finite(self) -> bool;
     /// Square root; zero for negative numbers, NaN for NaN.
@@ -54,6 +58,11 @@ pub trait Scalar:
     /// `numerator / denominator` of two small whole numbers, for constants in formulas.
     fn ratio(numerator: i32, denominator: i32) -> Self {
         Self::from_i32(numerator) / Self::from_i32(denominator)
+    }
+
+    /// Half of it.
+    fn half(self) -> Self {
+        self * Self::ratio(1, 2)
     }
 
     /// The absolute value.
@@ -91,6 +100,11 @@ pub(crate) fn hypot<S: Scalar>(a: S, b: S) -> S {
     large * (S::ONE + part * part).sqrt()
 }
 
+/// The reciprocal of a positive number; zero for any other.
+pub(crate) fn over<S: Scalar>(value: S) -> S {
+    if value > S::ZERO { S::ONE / value } else { S::ZERO }
+}
+
 /// Natural logarithm of a positive number, good to 10⁻⁶ or what the type resolves; that of the nearest power of two within
 /// 2⁻⁴⁰ to 2⁴⁰ beyond.
 pub(crate) fn ln<S: Scalar>(x: S) -> S {
@@ -102,6 +116,8 @@ pub(crate) fn ln<S: Scalar>(x: S) -> S {
             (part, halvings) = (part * half, halvings + 1);
         } else if part < S::ratio(7, 10) {
             (part, halvings) = (part * two, halvings - 1);
+        } else {
+            break;
         }
     }
     // ln x = 2 artanh((x − 1)/(x + 1))
@@ -109,6 +125,25 @@ pub(crate) fn ln<S: Scalar>(x: S) -> S {
     let square = t * t;
     let series = [9, 7, 5, 3].into_iter().fold(S::ZERO, |sum, k| (sum + S::ratio(1, k)) * square);
     S::from_i32(halvings) * S::ratio(693_147, 1_000_000) + two * t * (S::ONE + series)
+}
+
+/// A single in double precision, from its bits: cores with a unit for single precision have routines for doubles, which are
+/// not linked for the number in an error.
+#[cfg(any(feature = "libm", feature = "micromath"))]
+pub(super) const fn widened(value: f32) -> f64 {
+    let bits = value.to_bits();
+    let (sign, exponent, mantissa) = ((bits >> 31) as u64, (bits >> 23) & 0xff, (bits & 0x7f_ffff) as u64);
+    let (exponent, mantissa) = match (exponent, mantissa) {
+        (0, 0) => (0, 0),
+        // Below the smallest normal number: 2⁻¹⁴⁹ times the mantissa.
+        (0, mantissa) => {
+            let zeros = mantissa.leading_zeros();
+            (1023 - 149 + 63 - zeros as u64, (mantissa << (zeros - 11)) & ((1 << 52) - 1))
+        }
+        (0xff, mantissa) => (0x7ff, mantissa << 29),
+        (exponent, mantissa) => (exponent as u64 + 1023 - 127, mantissa << 29),
+    };
+    f64::from_bits((sign << 63) | (exponent << 52) | mantissa)
 }
 
 pub(super) mod sealed {

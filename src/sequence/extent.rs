@@ -1,7 +1,7 @@
 //! [`Extent`]: which part of a line in space an edge covers.
 
 use super::propagation::{FrameTransition, Propagated};
-use crate::range::{Line3, Observation};
+use crate::range::{Line3, RowPlane};
 use crate::scalar::Scalar;
 
 /// The stretch from one end of an edge to the other, along its direction from the point in the plane y = 0, in units of that
@@ -15,7 +15,7 @@ pub(crate) struct Extent<S> {
 
 impl<S: Scalar> Extent<S> {
     /// Between two ends as a frame shows them.
-    pub(super) fn between(line3: &Line3<S>, ends: &[Observation<S>; 2]) -> Option<Self> {
+    pub(super) fn between(line3: &Line3<S>, ends: &[RowPlane<S>; 2]) -> Option<Self> {
         let [first, last] = ends;
         Self::ordered(line3.along(first), line3.along(last))
     }

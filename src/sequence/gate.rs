@@ -2,7 +2,7 @@
 
 use super::line_observation::LineObservation;
 use crate::range::{Covariance, Line3, Observation};
-use crate::scalar::{Scalar, add, cross, dot, hypot, ln, scale, sub};
+use crate::scalar::{Scalar, add, hypot, ln, scale, sub};
 
 /// What the mean of the ends, their difference and the middle of a line are off, in pixels.
 pub(super) struct Comparison<S> {
@@ -32,15 +32,16 @@ impl<S: Scalar> Comparison<S> {
         let (middle_px, of_middle) = deviation(line3, &line.middle)?;
         let half = S::ratio(1, 2);
         let predicted = total.through([scale(add(of_first, of_last), half), sub(of_last, of_first), of_middle]);
-        let [mean_sigma, difference_sigma, sigma_middle_px] = predicted.sigma;
-        let [correlation, _, _] = predicted.correlation;
+        let [mean_sigma, difference_sigma, sigma_middle_px] =
+            predicted.variance.map(|variance| variance.max(S::ZERO).sqrt());
+        let [mixed, _, _] = predicted.mixed;
         let noise = hypot(first.sigma_px, last.sigma_px);
         // A bend or a background is no noise: it adds up with the sigma, not with its square.
         let off = S::ratio(OFF_QUARTERS_PX, 4);
         let (mean_all, difference_all) = (hypot(mean_sigma, noise * half) + off, hypot(difference_sigma, noise) + off);
         let mean = (first_px + last_px) * half / mean_all;
         let difference = (last_px - first_px) / difference_all;
-        let r = correlation * (mean_sigma / mean_all) * (difference_sigma / difference_all);
+        let r = mixed / mean_all / difference_all;
         let spare = ((S::ONE - r) * (S::ONE + r)).max(S::EPSILON * S::from_i32(8));
         let square = (mean * mean + difference * difference - (r + r) * mean * difference) / spare;
         let area = mean_all * difference_all * spare.sqrt();
@@ -54,18 +55,14 @@ impl<S: Scalar> Comparison<S> {
 /// How far along the row an observation lies from the prediction in pixels, and its change with bearing, inverse depth and
 /// tilt.
 fn deviation<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> Option<(S, [S; 3])> {
-    let innovation = line3.residual_px(observation)?;
-    let m = cross(observation.direction, line3.direction());
-    let per_px = line3.offset(cross(observation.along_row, line3.direction()), observation);
-    let [mx, _, _] = m;
-    let across = line3.offset(cross(observation.direction, line3.lean), observation);
-    Some((innovation, [mx, -dot(m, observation.position), across].map(|part| part / per_px)))
+    let residual = line3.residual(observation);
+    let sensitivity = [residual.per_bearing, residual.per_inverse_depth, residual.per_tilt];
+    Some((residual.px()?, sensitivity.map(|part| part / residual.per_px)))
 }
 
 /// One sigma of a predicted column, in pixels.
 pub(super) fn sigma_px<S: Scalar>(line3: &Line3<S>, total: &Covariance<S>, observation: &Observation<S>) -> Option<S> {
     let (_, sensitivity) = deviation(line3, observation)?;
-    let none = [S::ZERO; 3];
-    let [sigma, _, _] = total.through([sensitivity, none, none]).sigma;
+    let sigma = total.variance_along(sensitivity).max(S::ZERO).sqrt();
     sigma.is_finite().then_some(sigma)
 }

@@ -7,7 +7,9 @@ use super::propagation::FrameTransition;
 use crate::edge::Polarity;
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::range::{Covariance, Line3, LineState, Observation, Range, RangeStatus, Sample, SampleSet};
+use crate::range::{
+    Covariance, Line3, LineState, Observation, Observer, Range, RangeStatus, RowPlane, Sample, SampleSet,
+};
 use crate::scalar::{NS_PER_S, Scalar, hypot};
 use crate::setup::Setup;
 
@@ -119,7 +121,7 @@ impl<S: Scalar> Landmark<S> {
         let line3 = &self.state.line3;
         let ends = self.extent.ends().map(|place| predicted(setup, motion, line3, place));
         let wide = |end: &Sample<S>| {
-            let observation = Observation::new(setup.camera(), motion, end)?;
+            let observation = Observer::new(setup.camera(), motion, [line3.gravity, line3.lean]).observe(end)?;
             sigma_px(line3, &total, &observation)
         };
         let [first, last] = &ends;
@@ -150,7 +152,7 @@ impl<S: Scalar> Landmark<S> {
         match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
                 self.state = state;
-                let observation = LineObservation::new(setup, motion, line);
+                let observation = LineObservation::new(setup, motion, &state.line3, line);
                 self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
                 self.frames = if has_moved { 1 } else { self.frames.saturating_add(1) };
                 self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
@@ -171,10 +173,10 @@ impl<S: Scalar> Landmark<S> {
     }
 
     /// Whether an observation of another line lies so near to the predicted edge that the two shift each other.
-    pub(crate) fn is_near(&self, observation: &Observation<S>, near_px: S) -> bool {
+    pub(crate) fn is_near(&self, row: &RowPlane<S>, observation: &Observation<S>, near_px: S) -> bool {
         let line3 = &self.state.line3;
-        self.extent.contains(line3.along(observation))
-            && line3.residual_px(observation).is_some_and(|innovation| innovation.abs() < near_px)
+        self.extent.contains(line3.along(row))
+            && line3.residual(observation).px().is_some_and(|innovation| innovation.abs() < near_px)
     }
 
     /// Whether a sample of this frame's line of a static edge lies where the edge cannot be: the line runs on past it.
@@ -183,7 +185,7 @@ impl<S: Scalar> Landmark<S> {
         let is_static = self.matched.is_some_and(|matched| !matched.has_moved);
         let sigma = sigma_px(line3, &self.total(setup), observation);
         is_static
-            && line3.residual_px(observation).zip(sigma).is_some_and(|(off, sigma)| {
+            && line3.residual(observation).px().zip(sigma).is_some_and(|(off, sigma)| {
                 let sigma = hypot(hypot(sigma, observation.sigma_px), S::ratio(1, WANDER_PARTS_PX));
                 off.abs() > sigma * S::from_i32(GATE_SIGMAS)
             })
@@ -191,7 +193,7 @@ impl<S: Scalar> Landmark<S> {
 
     /// Which part of this edge a line of this frame covers.
     pub(crate) fn extent_of(&self, observation: &LineObservation<S>) -> Option<Extent<S>> {
-        Extent::between(&self.state.line3, &observation.ends)
+        Extent::between(&self.state.line3, &observation.rows)
     }
 
     /// The same at the start of the next frame; `None` where the edge is beside or behind the camera then.
@@ -218,7 +220,8 @@ fn predicted<S: Scalar, M: Motion<S>>(setup: &Setup<S>, motion: &M, line3: &Line
     let time_s = first_s + (last_s - first_s) * (row_px / S::from_i32(i32::from(image.rows.max(2)) - 1));
     let mut sample = Sample::point(inside(column_px, image.columns), row_px, time_s, S::ONE);
     // The camera has moved since frame start.
-    if let Some(off_px) = Observation::new(camera, motion, &sample).and_then(|seen| line3.residual_px(&seen)) {
+    let seen = Observer::new(camera, motion, [line3.gravity, line3.lean]).observe(&sample);
+    if let Some(off_px) = seen.and_then(|seen| line3.residual(&seen).px()) {
         sample.column_px = inside(sample.column_px - off_px, image.columns);
     }
     sample

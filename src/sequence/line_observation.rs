@@ -3,34 +3,40 @@
 use crate::edge::Polarity;
 use crate::line::Line;
 use crate::motion::Motion;
-use crate::range::{Observation, Sample};
+use crate::range::{Line3, Observation, Observer, RowPlane};
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
 /// A line of this frame at its ends and in its middle.
 pub(crate) struct LineObservation<S> {
     pub(crate) polarity: Polarity,
-    pub(crate) ends: [Observation<S>; 2],
+    /// The rows of its ends.
+    pub(super) rows: [RowPlane<S>; 2],
+    pub(super) ends: [Observation<S>; 2],
     pub(super) middle: Observation<S>,
     /// The columns that the line covers.
     pub(super) columns_px: [S; 2],
 }
 
 impl<S: Scalar> LineObservation<S> {
-    /// `None` for a line without samples, or outside the lens model.
+    /// Against lines with the directions of `axes`. `None` for a line without samples, or outside the lens model.
     pub(crate) fn new<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,
+        axes: &Line3<S>,
         line: &Line<KNOTS>,
     ) -> Option<Self> {
-        let observation = |sample: Sample<S>| Observation::new(setup.camera(), motion, &sample);
-        let samples = || line.samples::<S>();
-        let (first, last) = (samples().next()?, samples().last()?);
+        let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
+        let samples = line.first_middle_and_last()?;
+        let [first, _, last] = samples.each_ref().map(|sample| sample.column_px);
+        let [first_seen, middle, last_seen] = samples.map(|sample| observer.observe(&sample));
+        let ends = [first_seen?, last_seen?];
         Some(Self {
             polarity: line.first().polarity,
-            columns_px: [first.column_px.min(last.column_px), first.column_px.max(last.column_px)],
-            ends: [observation(first)?, observation(last)?],
-            middle: observation(samples().nth(samples().count() / 2)?)?,
+            columns_px: [first.min(last), first.max(last)],
+            rows: ends.each_ref().map(|end| RowPlane::new(motion, end)),
+            ends,
+            middle: middle?,
         })
     }
 }

@@ -9,7 +9,7 @@ use super::propagation::FrameTransition;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
-use crate::range::{Observation, Range, RangeStatus, SampleSet};
+use crate::range::{Line3, Observer, Range, RangeStatus, RowPlane, SampleSet};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -201,15 +201,22 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.known = sort_by_column(&mut self.landmarks);
         self.reach_px = self.landmarks.iter().map(|landmark| landmark.reach_px).fold(S::ZERO, S::max);
         self.lines = 0;
+        let axes = self.axes(motion);
         for place in places {
             self.lines = self.lines.saturating_add(1);
             let (mut asking, mut is_first_offer) = (u32::try_from(place).ok(), true);
             while let Some(place) = asking {
-                let observation = line_at(place as usize).and_then(|line| LineObservation::new(setup, motion, line));
+                let line = line_at(place as usize);
+                let observation = line.and_then(|line| LineObservation::new(setup, motion, &axes, line));
                 asking = observation.and_then(|observation| self.offer(setup, place, &observation, is_first_offer));
                 is_first_offer = false;
             }
         }
+    }
+
+    /// The directions of down and lean in this frame, as the landmarks have them.
+    fn axes<M: Motion<S>>(&self, motion: &M) -> Line3<S> {
+        self.landmarks.first().map_or_else(|| Line3::start(motion.gravity()), |landmark| landmark.state.line3)
     }
 
     /// The landmarks of earlier frames that a line over these columns may belong to, or stand beside.
@@ -260,7 +267,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let most_chance = S::ratio(CHANCE_EDGES, i32::from(self.lines.max(1)));
-        let Some(observation) = LineObservation::new(setup, motion, line) else {
+        let Some(observation) = LineObservation::new(setup, motion, &self.axes(motion), line) else {
             return Range::from_line(setup, motion, line);
         };
         let has_line = |landmark: &&mut Landmark<S>| {
@@ -290,16 +297,19 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         own: Option<&Landmark<S>>,
     ) -> Blend {
         let near_px = S::from_i32(NEAR_PX);
+        let axes = self.axes(motion);
+        let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         let mut blend = Blend::default();
         let mut left = 0;
         for (place, sample) in line.samples::<S>().enumerate() {
-            let Some(seen) = Observation::new(setup.camera(), motion, &sample) else { continue };
+            let Some(seen) = observer.observe(&sample) else { continue };
+            let row = RowPlane::new(motion, &seen);
             let blends = |landmark: &mut Landmark<S>| {
                 let is_other = match own {
                     Some(own) => landmark.id != own.id && landmark.state.is_apart(&own.state),
                     None => landmark.frames > 1 && landmark.matched.is_some(),
                 };
-                is_other && !landmark.is_tentative && landmark.is_near(&seen, near_px)
+                is_other && !landmark.is_tentative && landmark.is_near(&row, &seen, near_px)
             };
             let is_off = own.is_some_and(|own| own.is_off(setup, &seen));
             if is_off || self.around(observation.columns_px).any(blends) {
@@ -331,7 +341,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             return range;
         }
         let id = self.next_id;
-        let Some(extent) = Extent::between(&state.line3, &observation.ends) else { return range };
+        let Some(extent) = Extent::between(&state.line3, &observation.rows) else { return range };
         let is_tentative = !is_informative(range.status)
             || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
         let landmark = Landmark::new(id, line.first().polarity, is_tentative, state, extent);

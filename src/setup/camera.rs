@@ -76,6 +76,14 @@ pub struct Ray<S> {
     pub dw_dcolumn: S,
 }
 
+/// The rays of a stretch of pixels `(u, w, 1)`: the mean of those at its ends and half their difference, and the change by a
+/// pixel along the row.
+pub(crate) struct RaySpan<S> {
+    pub(crate) middle: [S; 2],
+    pub(crate) half: [S; 2],
+    pub(crate) along_row: [S; 2],
+}
+
 /// Most columns or rows: a column in 1/65536 px must fit a signed number of 32 bits.
 const MAX_SIZE: u16 = 32_767;
 
@@ -91,7 +99,7 @@ impl<S: Scalar> Camera<S> {
         let Intrinsics { columns, rows, fx, fy, cx, cy } = intrinsics;
         for (name, size) in [("columns", columns), ("rows", rows)] {
             if size == 0 || size > MAX_SIZE {
-                return Err(ParameterError::new(name, f64::from(size), "1 to 32767 (pixels)"));
+                return Err(ParameterError::of_whole(name, size.into(), "1 to 32767 (pixels)"));
             }
         }
         for (name, focal) in [("fx", fx), ("fy", fy)] {
@@ -120,6 +128,11 @@ impl<S: Scalar> Camera<S> {
     #[must_use]
     pub const fn intrinsics(&self) -> &Intrinsics<S> {
         &self.intrinsics
+    }
+
+    /// Whether the lens does not distort.
+    pub(crate) fn is_straight(&self) -> bool {
+        self.distortion.is_none()
     }
 
     /// Distortion as given.
@@ -154,6 +167,33 @@ impl<S: Scalar> Camera<S> {
             let [[du, _], [dw, _]] = ideal.jacobian;
             Ray { u, w, du_dcolumn: du * self.per_fx, dw_dcolumn: dw * self.per_fx }
         })
+    }
+
+    /// The rays of a stretch of pixels, from `half` before `at` to `half` after it, both column and row. `lens_offset` is what
+    /// the lens has moved the ray of the last stretch by: the inversion starts from there.
+    ///
+    /// *Cost*: eight operations, or an inversion of the distortion and one or two short steps for each end.
+    pub(crate) fn rays(&self, at: [S; 2], half: [S; 2], lens_offset: &mut [S; 2]) -> Option<RaySpan<S>> {
+        let recorded = self.normalised(at[0], at[1]);
+        let half = [half[0] * self.per_fx, half[1] * self.per_fy];
+        if self.distortion.is_none() {
+            return Some(RaySpan { middle: recorded, half, along_row: [self.per_fx, S::ZERO] });
+        }
+        let start = [recorded[0] + lens_offset[0], recorded[1] + lens_offset[1]];
+        let nearby = self.distortion.undistort_from(recorded, start);
+        let ideal = nearby.or_else(|| self.distortion.undistort(recorded))?;
+        *lens_offset = [ideal.point[0] - recorded[0], ideal.point[1] - recorded[1]];
+        let [[du, _], [dw, _]] = ideal.jacobian;
+        let along_row = [du * self.per_fx, dw * self.per_fx];
+        if half == [S::ZERO; 2] {
+            return Some(RaySpan { middle: ideal.point, half, along_row });
+        }
+        let end = |half: [S; 2]| self.distortion.undistort_near(&ideal, recorded, half);
+        let (before, after) = (end([-half[0], -half[1]]), end(half));
+        let part = S::ratio(1, 2);
+        let middle = [(before[0] + after[0]) * part, (before[1] + after[1]) * part];
+        let half = [(after[0] - before[0]) * part, (after[1] - before[1]) * part];
+        Some(RaySpan { middle, half, along_row })
     }
 
     /// Where a direction `(u, w, 1)` is recorded: column and row in pixels.

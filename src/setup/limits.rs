@@ -105,7 +105,7 @@ impl Limits {
         let wide = |name, value: u32| {
             let most = 1024 << 16;
             let expected = "at most 1024 px, in 1/65536 px";
-            if value > most { Err(ParameterError::new(name, f64::from(value), expected)) } else { Ok(()) }
+            if value > most { Err(ParameterError::of_whole(name, value.into(), expected)) } else { Ok(()) }
         };
         wide("max_slope_q16", self.max_slope_q16)?;
         wide("gate_q16", self.gate_q16)?;
@@ -113,7 +113,7 @@ impl Limits {
         wide("max_lean_q16", self.max_lean_q16)?;
         for (name, value, least) in [("confirm_points", self.confirm_points, 2), ("min_points", self.min_points, 3)] {
             if value < least {
-                return Err(ParameterError::new(name, f64::from(value), "at least 2 to confirm, 3 for a range"));
+                return Err(ParameterError::of_whole(name, value.into(), "at least 2 to confirm, 3 for a range"));
             }
         }
         Ok(())

@@ -10,6 +10,7 @@ mod limits;
 mod motion_blur;
 mod setup;
 
+pub(crate) use camera::RaySpan;
 pub use camera::{Camera, Intrinsics, Ray};
 pub use distortion::Distortion;
 pub use limits::Limits;

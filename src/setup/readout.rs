@@ -56,7 +56,7 @@ impl Readout {
         }
         if line_time_ps == 0 || line_time_ps > MAX_FRAME_READOUT_PS / rows as u64 {
             let expected = "above zero (a global shutter has no effect to measure), and a frame below one minute";
-            return Err(ParameterError::new("line_time_ps", line_time_ps as f64, expected));
+            return Err(ParameterError::of_whole("line_time_ps", line_time_ps, expected));
         }
         Ok(Self { rows, line_time_ps, direction })
     }
@@ -71,7 +71,7 @@ impl Readout {
     ) -> Result<Self, ParameterError> {
         if frame_readout_ns == 0 || frame_readout_ns > MAX_FRAME_READOUT_PS / 1000 {
             let expected = "above zero (a global shutter has no effect to measure) and at most one minute";
-            return Err(ParameterError::new("frame_readout_ns", frame_readout_ns as f64, expected));
+            return Err(ParameterError::of_whole("frame_readout_ns", frame_readout_ns, expected));
         }
         match divide_rounding(frame_readout_ns * 1000, rows as u64) {
             Some(line_time_ps) => Self::from_line_time_ps(rows, line_time_ps, direction),

@@ -56,7 +56,7 @@ impl<S: Scalar> Setup<S> {
     pub fn new(camera: Camera<S>, readout: Readout) -> Result<Self, ParameterError> {
         if readout.rows() != camera.intrinsics().rows {
             let expected = "the number of rows of the camera's image";
-            return Err(ParameterError::new("rows of the readout", f64::from(readout.rows()), expected));
+            return Err(ParameterError::of_whole("rows of the readout", readout.rows().into(), expected));
         }
         Ok(Self {
             camera,

@@ -103,6 +103,9 @@ impl<S: Scalar> Uncertainty<S> {
 
     /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and bearing times the camera's pitch.
     pub(crate) fn sigma_tilt_at(&self, bearing: S) -> S {
+        if self.sigma_gravity == S::ZERO {
+            return self.sigma_tilt;
+        }
         let gravity = hypot(self.sigma_gravity, self.sigma_gravity * bearing);
         hypot(self.sigma_tilt, gravity)
     }

@@ -1,0 +1,98 @@
+//! Samples of something else within a line are found by a fit that they do not draw towards themselves, and left out.
+
+use heapless::Vec;
+
+use super::least_squares::{Solution, solve};
+use super::problem::{Problem, Solved};
+use super::tuning::{MOST_REJECTIONS, OUTLIER, REWEIGHTING_ROUNDS, SUSPICIOUS};
+use crate::error::FitError;
+use crate::scalar::Scalar;
+
+impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+    /// Rejects samples as long as there are outliers, and settles again without them.
+    pub(super) fn settle_without_outliers(&mut self, mut solved: Solved<S>) -> Result<Solved<S>, FitError> {
+        for _ in 0..MOST_REJECTIONS {
+            if !self.has_suspicious_samples(&solved.solution) {
+                break;
+            }
+            if !self.reject_outliers(&solved.solution) {
+                return self.repeat(&solved);
+            }
+            solved = self.settle(&solved.line3)?;
+        }
+        Ok(solved)
+    }
+
+    /// Whether a sample deviates so much that it may be an outlier.
+    fn has_suspicious_samples(&self, solution: &Solution<S>) -> bool {
+        let sizes = self.deviations(solution, &[]);
+        let most = sizes.iter().copied().fold(S::ZERO, S::max);
+        let suspicious = S::from_i32(SUSPICIOUS);
+        most > suspicious * least_scale() && most > suspicious * robust_scale_of(sizes)
+    }
+
+    /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
+    fn deviations(&self, solution: &Solution<S>, scales: &[S]) -> Vec<S, N> {
+        let scales = scales.iter().copied().chain(core::iter::repeat(S::ONE));
+        let mut sizes = Vec::new();
+        for ((equation, observation), scale) in self.equations.observed.iter().zip(&self.observations).zip(scales) {
+            if observation.is_inlier {
+                // There is room: as many as observations.
+                let _ = sizes.push(solution.deviation(equation).abs() * scale);
+            }
+        }
+        sizes
+    }
+
+    /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a third
+    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted.
+    fn reject_outliers(&mut self, solution: &Solution<S>) -> bool {
+        let (solution, scales) = self.reweight(solution);
+        let sizes = self.deviations(&solution, &scales);
+        let count = sizes.len();
+        // From few samples the robust scale is not well known.
+        let times = S::from_i32(OUTLIER) + S::ratio(16, count.max(1) as i32);
+        let limit = robust_scale_of(sizes.clone()) * times;
+        let outliers = sizes.iter().filter(|size| **size > limit).count();
+        let leave_out = outliers > 0 && 3 * (self.observations.len() - count + outliers) <= self.observations.len();
+        let mut sizes = sizes.iter();
+        for observation in self.observations.iter_mut().filter(|observation| observation.is_inlier) {
+            let is_outlier = sizes.next().is_some_and(|size| *size > limit);
+            observation.is_inlier = !(leave_out && is_outlier);
+        }
+        leave_out
+    }
+
+    /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution, and by what
+    /// the noise of each observation has been scaled.
+    #[inline(never)]
+    fn reweight(&mut self, solution: &Solution<S>) -> (Solution<S>, Vec<S, N>) {
+        let mut solution = *solution;
+        let mut scales: Vec<S, N> = Vec::new();
+        for _ in &self.observations {
+            let _ = scales.push(S::ONE);
+        }
+        for _ in 0..REWEIGHTING_ROUNDS {
+            for (equation, scale) in self.equations.observed.iter_mut().zip(&mut scales) {
+                let deviation = solution.deviation(equation).abs() * *scale;
+                let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
+                *equation = equation.scaled(*scale / next);
+                *scale = next;
+            }
+            solution = solve(&mut self.equations);
+        }
+        (solution, scales)
+    }
+}
+
+/// Where all deviations are tiny, none is an outlier: half a sigma.
+fn least_scale<S: Scalar>() -> S {
+    S::ratio(1, 2)
+}
+
+/// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma.
+pub(crate) fn robust_scale_of<S: Scalar, const N: usize>(mut sizes: Vec<S, N>) -> S {
+    let two_thirds = 2 * sizes.len() / 3;
+    sizes.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
+    sizes.get(two_thirds).copied().unwrap_or(S::ONE).max(least_scale())
+}

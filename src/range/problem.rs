@@ -1,0 +1,177 @@
+//! [`Problem`]: the least squares of one edge, linearised again and again about the last estimate until it settles.
+
+use heapless::Vec;
+
+use super::equation::{Equation, Equations};
+use super::least_squares::{Solution, solve};
+use super::line3::Line3;
+use super::observation::Observation;
+use super::prior::Prior;
+use super::tuning::{LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, RIVAL_COST, SETTLED_PART};
+use super::wander::Stretch;
+use crate::error::FitError;
+use crate::scalar::Scalar;
+use crate::setup::Setup;
+
+/// What is to be fitted, and the equations of the last round.
+pub(super) struct Problem<'a, S, const N: usize> {
+    pub(super) setup: &'a Setup<S>,
+    pub(super) prior: &'a Prior<'a, S>,
+    pub(super) observations: Vec<Observation<S>, N>,
+    /// The parts of the edge that these are of.
+    pub(super) stretches: Vec<Stretch<S>, N>,
+    pub(super) equations: Equations<S, N>,
+}
+
+/// The outcome of a round.
+#[derive(Clone, Copy)]
+pub(super) struct Solved<S> {
+    /// What it was linearised about.
+    pub(super) at: Line3<S>,
+    pub(super) line3: Line3<S>,
+    pub(super) solution: Solution<S>,
+    /// Whether the camera has the line before it in all rows.
+    pub(super) is_in_front: bool,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Round {
+    /// Nothing is known yet: the equations are those of the noisy observations themselves, without the blur.
+    First,
+    /// They are moved from the observed columns to the predicted ones.
+    Later,
+}
+
+/// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in front of
+/// the camera.
+fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Round) -> Option<(Equation<S>, bool)> {
+    let residual = line3.residual(observation);
+    if !(residual.per_bearing.abs() > S::ratio(LEAST_CROSSING.0, LEAST_CROSSING.1)) {
+        return None;
+    }
+    if !observation.is_inlier || residual.per_px == S::ZERO {
+        return Some((Equation::NOTHING, residual.is_in_front()));
+    }
+    // A pixel along the row in units of the noise.
+    let per_miss = observation.per_sigma / residual.per_px;
+    let y = -(residual.miss * per_miss);
+    let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
+    let [one_per_px, q_per_px] = line3.change_along_row(observation);
+    if round == Round::Later && !(one_per_px == S::ZERO && q_per_px == S::ZERO) {
+        let off_px = y * observation.sigma_px;
+        (one, q) = (one + one_per_px * off_px, q + q_per_px * off_px);
+    }
+    let equation = Equation { one: one * per_miss, q: q * per_miss, w: residual.per_tilt * per_miss, y };
+    Some((equation, residual.is_in_front()))
+}
+
+impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+    #[inline(never)]
+    fn round(&mut self, line3: &Line3<S>, round: Round) -> Result<Solved<S>, FitError> {
+        let equations = &mut self.equations;
+        equations.clear();
+        let mut is_in_front = true;
+        for (index, observation) in self.observations.iter().enumerate() {
+            let (equation, in_front) = observe(observation, line3, round).ok_or(FitError::Sideways(index))?;
+            is_in_front &= in_front;
+            // There is room: as many as observations.
+            let _ = equations.observed.push(equation);
+        }
+        self.prior.equations(self.setup, line3, round == Round::Later, |equation, _| {
+            // There is room: three of a state and one of the blur at most.
+            let _ = equations.prior.push(equation);
+        });
+        let solution = solve(equations);
+        let moved = line3.moved(solution.change());
+        Ok(Solved { at: *line3, line3: moved, solution, is_in_front: is_in_front && moved.inverse_depth > S::ZERO })
+    }
+
+    /// The first round, from nothing: the positions and the prior of the tilt alone.
+    pub(super) fn first_round(&mut self, line3: &Line3<S>) -> Result<Solved<S>, FitError> {
+        self.round(line3, Round::First)
+    }
+
+    /// The round that led to this outcome once more: its equations are needed, and others have been made since.
+    pub(super) fn repeat(&mut self, solved: &Solved<S>) -> Result<Solved<S>, FitError> {
+        self.round(&solved.at, Round::Later)
+    }
+
+    /// Iterates until a round changes next to nothing: mostly two. `None` where the rounds do not converge.
+    fn converge(&mut self, line3: &Line3<S>) -> Option<Solved<S>> {
+        let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
+        let mut solved = self.round(line3, Round::Later).ok()?;
+        for _ in 1..MOST_ROUNDS {
+            if solved.solution.step_squared() < settled {
+                return Some(solved);
+            }
+            solved = self.round(&solved.line3, Round::Later).ok()?;
+        }
+        None
+    }
+
+    /// The same. What does not converge is no straight edge; one round tells roughly where it is.
+    pub(super) fn settle(&mut self, line3: &Line3<S>) -> Result<Solved<S>, FitError> {
+        if let Some(solved) = self.converge(line3) {
+            return Ok(solved);
+        }
+        let solved = self.round(line3, Round::Later)?;
+        // This round may have moved it far.
+        Ok(Solved { is_in_front: self.is_in_front(&solved.line3), ..solved })
+    }
+
+    fn is_in_front(&self, line3: &Line3<S>) -> bool {
+        let has_in_front = |observation: &Observation<S>| line3.residual(observation).is_in_front();
+        line3.inverse_depth > S::ZERO && self.observations.iter().all(has_in_front)
+    }
+
+    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
+    /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    pub(super) fn settle_in_front(&mut self, start: &Line3<S>) -> Result<Solved<S>, FitError> {
+        let solved = self.settle(start)?;
+        let line3 = solved.line3;
+        if line3.tilt == S::ZERO || !(line3.inverse_depth < S::ZERO) {
+            return Ok(solved);
+        }
+        let least = solved.solution.cost(&self.equations) + S::from_i32(MIRROR_COST);
+        let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
+        // An error in this trial says nothing of the solution at hand.
+        let farthest = mirrored.inverse_depth * S::from_i32(MIRROR_REACH);
+        let is_mirror_image = |trial: &Solved<S>| trial.line3.inverse_depth < farthest;
+        let trial = self.settle(&mirrored).ok().filter(is_mirror_image);
+        match trial.filter(|trial| self.is_found_in_front(trial, least)) {
+            Some(trial) => Ok(trial),
+            None => self.repeat(&solved),
+        }
+    }
+
+    /// Whether something is known of a solution, in front of the camera, that costs less.
+    fn is_found_in_front(&self, trial: &Solved<S>, least: S) -> bool {
+        let [_, sigma_per_m, _] = trial.solution.covariance().sigma();
+        trial.is_in_front && sigma_per_m < S::UNKNOWN && trial.solution.cost(&self.equations) < least
+    }
+
+    /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
+    /// best of those near either path is meant; where neither agrees with the positions, also of the one near these alone.
+    pub(super) fn settle_best(&mut self, first: &Solved<S>) -> Result<Solved<S>, FitError> {
+        let start = &first.line3;
+        let information = first.solution.information_of_inverse_depth();
+        let paths = self.prior.blur.and_then(|blur| blur.either_path(start, information));
+        let Some([better, other]) = paths else { return self.settle_in_front(start) };
+        let near = |change_per_m| start.moved(first.solution.change_with(change_per_m));
+        let mut solved = self.settle_in_front(&near(better.change_per_m))?;
+        let rival_cost = S::from_i32(RIVAL_COST);
+        let is_rival = other.change_per_m != better.change_per_m && other.cost < better.cost + rival_cost;
+        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
+        let mut least = None;
+        for rival in rivals.into_iter().flatten() {
+            let cost = *least.get_or_insert_with(|| solved.solution.cost(&self.equations));
+            if let Some(trial) = self.converge(&rival).filter(|trial| trial.is_in_front) {
+                let cost_of_trial = trial.solution.cost(&self.equations);
+                if cost_of_trial < cost {
+                    (solved, least) = (trial, Some(cost_of_trial));
+                }
+            }
+        }
+        if least.is_some() { self.repeat(&solved) } else { Ok(solved) }
+    }
+}

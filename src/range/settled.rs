@@ -1,0 +1,86 @@
+//! [`Settled`]: what shared errors do to a fit that has settled. docs/model.md, section 6.
+
+use super::equation::Equations;
+use super::least_squares::{Response, Solution};
+use super::line3::Line3;
+use super::observation::Observation;
+use super::prior::Prior;
+use super::sensitivity::Sensitivity;
+use super::shared_error::{SHARED_ERRORS, SharedError};
+use crate::motion::Motion;
+use crate::scalar::{Scalar, cross, dot, scale, sub};
+use crate::setup::Setup;
+
+/// A fit that has settled: what its equations, centred, are of, and their solution.
+pub(super) struct Settled<'a, S, M, const N: usize> {
+    pub(super) setup: &'a Setup<S>,
+    pub(super) motion: &'a M,
+    pub(super) prior: &'a Prior<'a, S>,
+    pub(super) observations: &'a [Observation<S>],
+    pub(super) equations: &'a Equations<S, N>,
+    /// What the equations were linearised about.
+    pub(super) at: &'a Line3<S>,
+    pub(super) solution: &'a Solution<S>,
+}
+
+impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
+    pub(super) fn sensitivity(&self) -> Sensitivity<S> {
+        let Self { setup, prior, observations, equations, at, solution, .. } = self;
+        let counts = SharedError::ALL.map(|error| error.sigma(setup, at.bearing) > S::ZERO);
+        let mut responses = [Response::NONE; SHARED_ERRORS];
+        for (observation, equation) in observations.iter().zip(&equations.observed) {
+            let uncentred_q = solution.uncentred_q(equation);
+            let errors = self.errors(observation, &counts, uncentred_q);
+            for ((response, error), _) in responses.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
+                response.add(solution, equation, error);
+            }
+        }
+        let mut equations_of_prior = equations.prior.iter();
+        prior.equations(setup, at, true, |_, prior_error| {
+            let Some(equation) = equations_of_prior.next() else { return };
+            for (index, (response, error)) in responses.iter_mut().zip(SharedError::ALL).enumerate() {
+                let error = prior_error.of(index, error);
+                if error != S::ZERO {
+                    response.add(solution, equation, error);
+                }
+            }
+        });
+        Sensitivity(responses.map(|response| response.change(solution)))
+    }
+
+    /// What a unit of each error that `counts` adds to the y of an observation, in its sigma.
+    fn errors(
+        &self,
+        observation: &Observation<S>,
+        counts: &[bool; SHARED_ERRORS],
+        uncentred_q: S,
+    ) -> [S; SHARED_ERRORS] {
+        let rho = self.at.inverse_depth;
+        // q is the change of y with the inverse depth, which a relative error of the speed does not differ from.
+        let of_speed = -(rho * uncentred_q);
+        let none = S::ZERO;
+        let [.., rate, _, _, readout, focal] = *counts;
+        if !(rate || readout || focal) || !observation.is_inlier {
+            return [none, none, of_speed, none, none, none, none, none];
+        }
+        let per_miss = -(observation.per_sigma / self.at.residual(observation).per_px);
+        let pose = self.motion.pose(observation.time_s);
+        let is_steady = self.motion.keeps_attitude();
+        let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
+        let [u, w] = observation.bearings;
+        let ahead = turn([none, none, S::ONE]);
+        let direction = turn([u, w, S::ONE]);
+        // F = d · h
+        let place = sub([self.at.bearing, none, S::ONE], scale(pose.position_m, rho));
+        let h = cross(self.at.direction(), place);
+        let of_rate = scale(cross(direction, h), observation.time_s * per_miss);
+        // The camera is further along its path, and has turned further.
+        let m = cross(direction, self.at.direction());
+        let of_advance = -(rho * observation.time_s * dot(m, pose.velocity_m_s)) * per_miss;
+        let of_readout = of_advance + dot(pose.rate_rad_s, of_rate);
+        // R (u, w, 0)
+        let of_focal = dot(sub(direction, ahead), h) * per_miss;
+        let [of_x, of_y, of_z] = of_rate;
+        [none, none, of_speed, of_x, of_y, of_z, of_readout, of_focal]
+    }
+}

@@ -1,0 +1,40 @@
+//! Every number of this stage that was chosen rather than derived.
+
+/// Rows over which the roughness of an edge is alike: real edges keep half of their correlation over six rows, which makes
+/// sixteen rows as good as one independent value (`cargo test real_edges`).
+pub(super) const ROUGHNESS_ROWS: i32 = 16;
+
+/// A round that moves the estimate by less than this part of a sigma is the last: 1/50. The next one would move it by the
+/// square of that (`cargo test least_squares` allows 1/100).
+pub(super) const SETTLED_PART: i32 = 50;
+
+/// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to five.
+pub(super) const MOST_ROUNDS: usize = 8;
+
+/// Below this share of its value for a level camera, a row runs along upright edges: one pixel of column weighs as ten do
+/// there (`cargo test statuses`).
+pub(super) const LEAST_CROSSING: (i32, i32) = (1, 10);
+
+/// A solution behind the camera gives way to one in front unless that fits worse by three sigma: the square of it.
+pub(super) const MIRROR_COST: i32 = 9;
+
+/// The solution in front is about as far from the camera as the one behind it. What comes out this many times nearer has not
+/// settled but run away, to where rounding decides (`cargo test agreement`).
+pub(super) const MIRROR_REACH: i32 = 4;
+
+/// Of the two paths that explain a blur, one that fits worse than the other by five sigma before its rounds is not tried: the
+/// square of it. What lies between them is decided by their rounds (`cargo test blur`).
+pub(super) const RIVAL_COST: i32 = 25;
+
+/// Beyond so many times the robust scale a sample may be an outlier.
+pub(super) const SUSPICIOUS: i32 = 3;
+
+/// Beyond so many times the robust scale, and 16/N more, a sample of N is an outlier (`cargo test outliers`).
+pub(super) const OUTLIER: i32 = 4;
+
+/// How often outliers are looked for: those that are far off hide others (`cargo test more_than_a_third`).
+pub(super) const MOST_REJECTIONS: usize = 4;
+
+/// Rounds of reweighting, none of which linearises anew. Twelve bring the fit within a tenth of a sigma of least absolute
+/// deviations; more would make the worst line dearer and nothing better.
+pub(super) const REWEIGHTING_ROUNDS: usize = 12;
