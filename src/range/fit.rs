@@ -119,11 +119,14 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     Ok(Fitted { estimate, state, inliers })
 }
 
+/// Each sample as a ray, and which part of the edge it is the mean of.
+type Observed<S, const N: usize> = (Vec<Observation<S>, N>, Vec<Stretch<S>, N>);
+
 fn observe_all<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
-) -> Result<(Vec<Observation<S>, N>, Vec<Stretch<S>, N>), FitError> {
+) -> Result<Observed<S, N>, FitError> {
     let roughness_px = setup.uncertainty().edge_roughness_px;
     let (mut observations, mut stretches) = (Vec::new(), Vec::new());
     for (index, sample) in samples.into_iter().enumerate() {
