@@ -86,14 +86,12 @@ impl FrameReport {
     #[must_use]
     pub fn suspicion<S: Scalar>(&self, setup: &Setup<S>) -> Option<Suspicion> {
         let leaning = if setup.motion_blur().is_some() { Suspicion::LeaningByBlur } else { Suspicion::Leaning };
-        let suspicions: [(Tally, fn(Share) -> Suspicion); 5] = [
-            (self.inconsistent, Suspicion::AgainstMotion),
-            (self.leaning, leaning),
-            (self.slow, Suspicion::Slow),
-            (self.bent, Suspicion::Bent),
-            (self.sideways, Suspicion::Sideways),
-        ];
-        suspicions.into_iter().find_map(|(tally, suspicion)| Some(suspicion(self.share_of_most(tally)?)))
+        let of_most = |tally| self.share_of_most(tally);
+        (of_most(self.inconsistent).map(Suspicion::AgainstMotion))
+            .or_else(|| of_most(self.leaning).map(leaning))
+            .or_else(|| of_most(self.slow).map(Suspicion::Slow))
+            .or_else(|| of_most(self.bent).map(Suspicion::Bent))
+            .or_else(|| of_most(self.sideways).map(Suspicion::Sideways))
     }
 
     /// What is far has hardly any slope, whatever the motion is, and so says little against a suspicion.
