@@ -8,7 +8,8 @@ pub(crate) use semihosting::println as say;
 pub(crate) use std::println as say;
 
 #[cfg(target_os = "none")]
-#[cortex_m_rt::entry]
+#[cfg_attr(target_arch = "arm", cortex_m_rt::entry)]
+#[cfg_attr(target_arch = "riscv32", riscv_rt::entry)]
 fn start() -> ! {
     crate::main();
     semihosting::process::exit(0)

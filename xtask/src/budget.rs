@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 
 use crate::board::{BackEnd, Board, Opt};
+use crate::document;
 use crate::figure::{self, Figure};
 use crate::firmware::{Firmware, root};
 use crate::uses::USES;
@@ -124,7 +125,8 @@ fn write(measured: Vec<Figure>) -> Result<()> {
     let place = |figure: &Figure| USES.iter().position(|of| of.name == figure.of);
     table.retain(|figure| place(figure).is_some());
     table.sort_by_key(|figure| (figure.opt, figure.board, figure.backend, place(figure), figure.quantity.clone()));
-    figure::write(&csv_path(), &table)
+    figure::write(&csv_path(), &table)?;
+    document::write(&table)
 }
 
 /// Says which figures have grown beyond the table, or are not in it.

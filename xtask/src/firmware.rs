@@ -11,7 +11,7 @@ use crate::board::{BackEnd, Board, Opt};
 use crate::job::Job;
 
 /// A program that hangs is ended after this.
-const SECONDS: &str = "300";
+const SECONDS: &str = "120";
 
 /// The programs of `xtask/firmware`, linked for a board, a back end and an optimisation.
 pub(crate) struct Firmware {
@@ -38,10 +38,13 @@ impl Firmware {
         let directory = root.join("target/bare").join(board.cpu().unwrap_or_default());
         let mut cargo = Command::new(root.join(".ci/bare"));
         cargo.args(["build", "--quiet", "--release", "--locked", "--manifest-path", "xtask/firmware/Cargo.toml"]);
+        let mut features = backend.to_string();
         if let Some(map) = board.map() {
+            // Where memory is short, a fault is to be a message.
             cargo.env("MEMORY_MAP", map);
+            features += ",guard";
         }
-        cargo.args(["--features", &backend.to_string(), "--target", board.target()]);
+        cargo.args(["--features", &features, "--target", board.target()]);
         programs.iter().for_each(|program| {
             cargo.args(["--bin", program]);
         });
@@ -73,8 +76,13 @@ impl Firmware {
             .context(*qemu)?;
         // Characters one by one go to the console of QEMU, its standard error.
         let text = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
-        if !output.status.success() {
-            bail!("{program} on {}: {}\n{text}", self.board, output.status);
+        match output.status.code() {
+            Some(0) => {}
+            Some(124) => bail!("{program} on {}: no end within {SECONDS} s\n{text}", self.board),
+            Some(134) => {
+                bail!("{program} on {}: the core has locked up: too little RAM for the stack\n{text}", self.board)
+            }
+            _ => bail!("{program} on {}: {}\n{text}", self.board, output.status),
         }
         Ok(text.lines().map(|line| line.split(' ').map(str::to_owned).collect()).collect())
     }

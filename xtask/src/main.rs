@@ -2,6 +2,7 @@
 
 mod board;
 mod budget;
+mod document;
 mod figure;
 mod firmware;
 mod job;

@@ -5,6 +5,8 @@
 
 pub mod counter;
 pub mod file;
+#[cfg(all(feature = "guard", target_arch = "arm"))]
+mod guard;
 pub mod small;
 pub mod stack;
 
