@@ -93,14 +93,14 @@ impl Job<'_> {
     }
 }
 
-struct FoundLines {
-    lines: Vec<Line<KNOTS>>,
+pub(crate) struct FoundLines {
+    pub(crate) lines: Vec<Line<KNOTS>>,
     torn: bool,
     counters: Counters,
 }
 
 /// Each frame has a new ranger, whose counters are then those of this frame alone.
-fn lines(pixels: &GrayImage, setup: &Setup<f64>) -> Result<FoundLines> {
+pub(crate) fn lines(pixels: &GrayImage, setup: &Setup<f64>) -> Result<FoundLines> {
     let mut ranger = Box::new(LargeRanger::new());
     let mut lines = Vec::new();
     let columns = usize::from(setup.camera().intrinsics().columns);

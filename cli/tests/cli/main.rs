@@ -8,6 +8,7 @@ mod frames;
 mod full_disks;
 mod help;
 mod hints;
+mod imu;
 mod limits;
 mod overlays;
 mod painting;
