@@ -76,6 +76,23 @@ pub(crate) enum CalibrateCommand {
     /// Focal length times line time, and a constant tilt, from passes at known distance and speed
     #[command(after_help = help::SCALE)]
     Scale(ScaleArgs),
+    /// Offset of the gyroscope's clock, and roll and pitch of the camera, from some seconds of turning before upright edges
+    #[command(after_help = help::IMU)]
+    Imu(ImuArgs),
+}
+
+#[derive(Args)]
+pub(crate) struct ImuArgs {
+    /// Frames of a camera that turns back and forth where it stands, with upright edges some metres away
+    #[arg(required = true, value_name = "FRAME")]
+    pub(crate) files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) setup: SetupArgs,
+    #[command(flatten)]
+    pub(crate) motion: MotionArgs,
+    /// Draw the leans of the edges, before and after
+    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
+    pub(crate) svg: Option<PathBuf>,
 }
 
 #[derive(Args)]

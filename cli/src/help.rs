@@ -205,6 +205,18 @@ is 1.
 Example:
   shutter-range calibrate scale passes.csv --focal-px 600 --svg passes.svg";
 
+pub(crate) const IMU: &str = "\
+Stand still, some metres from door frames, posts or window frames, and turn the camera back and forth by some
+ten degrees for some seconds, about once a second. The trajectory has the gyroscope's rates (and perhaps
+gravity, from an accelerometer) on its own clock; its velocities are not used. Without gravity that of the
+setup is taken to be the same in all frames: turn about the vertical. attitude.sigma_tilt_deg is how much the
+edges themselves may lean, motion.sigma_rate_rad_s the gyroscope's noise within a frame.
+
+Statuses: ok, too_few_lines, inconsistent. At rest roll and pitch are told, and no offset.
+
+Example:
+  shutter-range calibrate imu frame-*.png --setup camera.toml --trajectory gyro.csv --frame-interval-s 0.0333";
+
 pub(crate) const PLAN: &str = "\
 The post is 12 cm wide and 1 m high with a contrast of 110 grey levels, unless options say otherwise. Sigma is
 that of one edge in one frame, with all that the setup states as uncertain.

@@ -13,9 +13,10 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::Parser;
 
-use crate::arguments::{CalibrateCommand, Cli, Command, FlickerArgs, FrameArgs, PlanArgs, ScaleArgs};
+use crate::arguments::{CalibrateCommand, Cli, Command, FlickerArgs, FrameArgs, ImuArgs, PlanArgs, ScaleArgs};
 use crate::command::{
-    calibrate_flicker, calibrate_scale, edges, figures, frame, inspect, plan, sensors, setup, simulate, table2,
+    calibrate_flicker, calibrate_imu, calibrate_scale, edges, figures, frame, inspect, plan, sensors, setup, simulate,
+    table2,
 };
 use crate::output::frame_writer::{FrameFormat, FrameWriter};
 use crate::output::{overlay, range_table, safe_file, terminal, truth};
@@ -57,6 +58,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         }
         Command::Calibrate(CalibrateCommand::Flicker(arguments)) => return run_flicker(arguments, cli.json),
         Command::Calibrate(CalibrateCommand::Scale(arguments)) => return run_scale(arguments, cli.json),
+        Command::Calibrate(CalibrateCommand::Imu(arguments)) => return run_imu(arguments, cli.json),
         Command::Plan(arguments) => run_plan(arguments, cli.json)?,
         Command::Figures { folder } => {
             let document = figures::draw(folder)?;
@@ -111,6 +113,20 @@ fn run_scale(arguments: &ScaleArgs, json: bool) -> Result<ExitCode> {
     terminal::print(&text)?;
     if let Some(path) = &arguments.svg {
         safe_file::write_text(path, &calibrate_scale::chart(&document, &arguments.file)?)?;
+    }
+    Ok(exit_code(document.status))
+}
+
+fn run_imu(arguments: &ImuArgs, json: bool) -> Result<ExitCode> {
+    let is_sequence = arguments.motion.frame_interval_s.is_some() || arguments.motion.frame_times.is_some();
+    if arguments.motion.trajectory.is_none() || !is_sequence {
+        arguments::refuse("calibrate imu needs --trajectory, and --frame-interval-s or --frame-times");
+    }
+    let outcome = calibrate_imu::measure(arguments)?;
+    let document = &outcome.document;
+    terminal::print(&if json { terminal::json(document)? } else { calibrate_imu::text(document) })?;
+    if let Some(path) = &arguments.svg {
+        safe_file::write_text(path, &calibrate_imu::chart(&outcome, path)?)?;
     }
     Ok(exit_code(document.status))
 }

@@ -6,18 +6,19 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use shutter_range::calibrate::{Pass, Scale, ScaleRefusal, fit_scale};
-use shutter_range::{Line, Ranger, Setup};
+use shutter_range::{Line, Setup};
 
+use super::frame;
 use crate::arguments::ScaleArgs;
 use crate::input::pass_file::{self, FilePass, Slope};
 use crate::input::picture::{self, PictureFormat};
 use crate::output::chart::{Axis, Chart};
 use crate::output::rounding::with_sigma;
 use crate::output::text_table::{Colour, TextTable};
+use crate::ranging::tracking::KNOTS;
 
 /// As many passes as a person drives in a day.
 const PASSES: usize = 1024;
-const KNOTS: usize = 16;
 
 #[derive(Serialize)]
 pub(crate) struct Document {
@@ -78,14 +79,7 @@ fn slope_in_picture(path: &Path) -> Result<f64> {
     let (columns, rows) = (u16::try_from(size.columns)?, u16::try_from(size.rows)?);
     // The tracker needs neither the focal length nor the readout.
     let setup = Setup::pinhole(columns, rows, f64::from(columns), 33_000_000)?;
-    let mut ranger = Box::new(Ranger::<256, KNOTS, 2048>::new());
-    let mut lines = Vec::new();
-    for (row, row_pixels) in (0..rows).zip(pixels.as_raw().chunks(columns.into())) {
-        ranger.row(&setup, row, row_pixels)?;
-        lines.extend(std::iter::from_fn(|| ranger.next_line()));
-    }
-    ranger.end_frame(&setup);
-    lines.extend(std::iter::from_fn(|| ranger.next_line()));
+    let lines = frame::lines_of_grey(&pixels, &setup)?.lines;
     let longest = lines.iter().max_by_key(|line| line.points());
     longest.and_then(slope_of_line).with_context(|| format!("{}: no edge is long enough", path.display()))
 }

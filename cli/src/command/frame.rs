@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
-use image::DynamicImage;
+use image::{DynamicImage, GrayImage};
 use shutter_range::format::Pixels;
 use shutter_range::{Counters, Line, Ranger, Setup};
 
@@ -130,11 +130,7 @@ impl Edges {
         }
         let lines = match (format.raw, &dump) {
             (Some(raw), Some(dump)) => lines(setup, |row| Some(raw.format.row(raw.row(dump, row)?, row)))?,
-            _ => {
-                let columns = pixels.width() as usize;
-                let start = |row: u16| usize::from(row) * columns;
-                lines(setup, |row| pixels.as_raw().get(start(row)..start(row) + columns))?
-            }
+            _ => lines_of_grey(&pixels, setup)?,
         };
         Ok(Self { lines, hints: hints::of_pixels(&pixels, unused_bits), picture })
     }
@@ -214,10 +210,16 @@ impl Ranging<'_> {
     }
 }
 
-struct FoundLines {
-    lines: Vec<Line<KNOTS>>,
+pub(crate) struct FoundLines {
+    pub(crate) lines: Vec<Line<KNOTS>>,
     torn: bool,
     counters: Counters,
+}
+
+pub(crate) fn lines_of_grey(pixels: &GrayImage, setup: &Setup<f64>) -> Result<FoundLines> {
+    let columns = pixels.width() as usize;
+    let start = |row: u16| usize::from(row) * columns;
+    lines(setup, |row| pixels.as_raw().get(start(row)..start(row) + columns))
 }
 
 /// Each frame has a new ranger, whose counters are then those of this frame alone.

@@ -9,6 +9,7 @@ pub(crate) mod simulate;
 pub(crate) mod sensors;
 pub(crate) mod calibrate_flicker;
 pub(crate) mod calibrate_scale;
+pub(crate) mod calibrate_imu;
 pub(crate) mod plan;
 pub(crate) mod figure_charts;
 pub(crate) mod figures;

@@ -77,6 +77,25 @@ impl CameraMotion {
         Ok(Self { starts, last_row_ns, source })
     }
 
+    /// For samples that need not be as a file has them, each with its gravity.
+    pub(crate) fn of_samples(
+        arguments: &MotionArgs,
+        file: &SetupFile,
+        frames: Vec<(i64, FrameName)>,
+        samples: Vec<Sample>,
+    ) -> Result<Self> {
+        let starts = FrameStarts::new(arguments, frames)?;
+        starts.check(file)?;
+        let readout = file.setup.readout();
+        let last_row_ns = readout.row_time_ns(readout.row_after(u16::MAX));
+        Ok(Self { starts, last_row_ns, source: Source::Measured(Box::new(Measured::new(samples))) })
+    }
+
+    /// Seconds from the start of the first frame to that of another one.
+    pub(crate) fn start_s(&self, number: i64) -> f64 {
+        self.starts.start_s(number)
+    }
+
     pub(crate) fn is_sequence(&self) -> bool {
         self.starts.is_sequence()
     }
@@ -126,7 +145,12 @@ impl Measured {
         if samples.iter().all(|sample| sample.gravity.is_none()) {
             propagate_gravity(&mut samples, file.motion.gravity(), max_gap_ns)?;
         }
-        Ok(Box::new(Self { samples, window: Trajectory::new(config(max_gap_ns)) }))
+        Ok(Box::new(Self::new(samples)))
+    }
+
+    fn new(samples: Vec<Sample>) -> Self {
+        let max_gap_ns = TRUSTED_INTERVALS * usual_interval_ns(&samples);
+        Self { samples, window: Trajectory::new(config(max_gap_ns)) }
     }
 
     fn in_frame(&mut self, start_ns: i64, until_ns: i64) -> Result<FrameMotion<'_, f64, SAMPLES>> {
