@@ -104,7 +104,7 @@ impl EdgeProfile {
         [beyond(false), beyond(true)]
     }
 
-    /// Whether a side stays as it is: the beginning of a next edge is no plateau.
+    /// Whether a side stays as it is from 5 px on: the beginning of a next edge is no plateau.
     fn is_isolated(&self, is_bright: bool) -> bool {
         const MOST_CHANGE: f64 = 0.01;
         let mean = |from: f64, to: f64| {
@@ -113,7 +113,9 @@ impl EdgeProfile {
             let (sum, count) = within.fold((0.0, 0.0), |(sum, count), (_, cell)| (sum + cell.mean(), count + 1.0));
             sum / count
         };
-        (mean(8.0, 9.5) - mean(6.0, 7.5)).abs() < MOST_CHANGE
+        let plateau = if is_bright { 1.0 } else { 0.0 };
+        let is_there = |(from, to)| (mean(from, to) - plateau).abs() < MOST_CHANGE;
+        [(5.0, 6.25), (6.25, 7.5), (7.5, 9.0)].into_iter().all(is_there)
     }
 
     /// One sigma of the blur without the pixel's own, in pixels; `None` without enough edges.

@@ -99,7 +99,7 @@ mod tests {
                 most.fetch_max(waiting, Ordering::SeqCst);
             });
             let work = |input: usize| {
-                if input % 1000 == 0 {
+                if input.is_multiple_of(1000) {
                     std::thread::sleep(Duration::from_millis(2));
                 }
                 input * 2

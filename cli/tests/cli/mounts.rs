@@ -12,8 +12,7 @@ fn edges() -> String {
 /// The only range with these sections in place of [`SETUP`]'s.
 fn range(sections: &str) -> Value {
     let camera = SETUP.split("[motion]").next().expect("a camera");
-    let range = Folder::of(&format!("{camera}{sections}"), &edges()).ranges().remove(0);
-    range
+    Folder::of(&format!("{camera}{sections}"), &edges()).ranges().remove(0)
 }
 
 #[track_caller]

@@ -235,7 +235,7 @@ fn refuse(trajectory: &str, message: &str) {
 #[test]
 fn trajectories_that_are_refused() {
     let file = |message: &str| format!("drive.csv: {message}");
-    refuse("", &file(&format!("the file is empty: it must begin with a header such as `time_s`")));
+    refuse("", &file("the file is empty: it must begin with a header such as `time_s`"));
     refuse("vx,vy,vz\n", &file("line 1: column `time_s` is missing: the header must name `time_s`"));
     let names = "`vx`, `vy`, `vz`, `wx`, `wy` and `wz`";
     refuse("time_s,gy\n", &file(&format!("the header names no motion: it must name some of {names}")));

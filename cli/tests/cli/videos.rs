@@ -52,8 +52,8 @@ fn every_layout_has_the_same_grey_levels() {
     // Ten bits, the lower byte first.
     let wide: Vec<u8> = grey.iter().flat_map(|level| ((u32::from(*level) * 1023 / 255) as u16).to_le_bytes()).collect();
     for (colours, bytes) in [("C420p10 XYSCSS=420P10", 4 * quarter), ("Cmono10", 0)] {
-        let document = run(&y4m(&format!("W640 H480 {colours}"), &[wide.clone()], bytes), &[]).json();
-        assert_eq!(frames(&document), [expected.clone()], "{colours}");
+        let document = run(&y4m(&format!("W640 H480 {colours}"), std::slice::from_ref(&wide), bytes), &[]).json();
+        assert_eq!(frames(&document).as_slice(), std::slice::from_ref(&expected), "{colours}");
     }
 }
 
