@@ -93,6 +93,9 @@ pub(crate) struct FrameArgs {
     /// Draw each edge with its depth and sigma over the frame. Several frames give OUT-NAME.png, with each frame's name
     #[arg(long, value_name = "OUT.png", value_parser = png_path)]
     pub(crate) overlay: Option<PathBuf>,
+    /// Draw the edges of the whole sequence from above, with two-sigma bars and the camera's path
+    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
+    pub(crate) map: Option<PathBuf>,
     /// The files are dumps of 8-bit grey pixels without a header, row by row from the top
     #[arg(long, value_name = "WIDTHxHEIGHT")]
     pub(crate) raw: Option<Size>,
@@ -127,6 +130,12 @@ fn png_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let is_png = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
     if is_png { Ok(path) } else { Err("it must end in .png".to_string()) }
+}
+
+fn svg_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_svg = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
+    if is_svg { Ok(path) } else { Err("it must end in .svg".to_string()) }
 }
 
 fn interval(text: &str) -> Result<f64, String> {

@@ -85,6 +85,7 @@ Statuses:
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
   tentative     in a sequence, with --all: a line that is cluttered or short, until three frames agree
+                and more than chance would make them
 Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
 
 const POSTS: &str = "\
@@ -97,7 +98,8 @@ Overlay:
   blue, thick   far: lower bound of the depth beside the edge
   orange, thin  inconsistent, leaning, moving, bent, cluttered or sideways
   grey, thin    slow, short or tentative
-An overlay that is there already is replaced; one that would replace a frame is refused.";
+In a sequence the number of frames that an edge rests on follows in parentheses. An overlay or a map that
+is there already is replaced; one that would replace a frame is refused.";
 
 const EDGE_EXAMPLES: &str = "\
 Example:
@@ -108,6 +110,7 @@ Examples:
   shutter-range frame frame.png --setup camera.toml --overlay seen.png
   shutter-range frame *.jpg --setup camera.toml --overlay seen.png   # seen-0001.png, seen-0002.png, ...
   shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --trajectory drive.csv
+  shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --map drive.svg
   shutter-range frame dump.bin --raw 320x240 --setup camera.toml --json";
 
 pub(crate) const SIMULATE: &str = "\

@@ -14,7 +14,7 @@ use clap::Parser;
 
 use crate::arguments::{Cli, Command, FrameArgs};
 use crate::command::{edges, frame, sensors, setup, simulate, table2};
-use crate::output::{overlay, range_table, terminal, truth};
+use crate::output::{map, overlay, range_table, terminal, truth};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -56,6 +56,11 @@ fn run(cli: &Cli) -> Result<ExitCode> {
 fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     let overlays = overlay::paths(&arguments.files, arguments.overlay.as_deref());
     let overlays = overlays.unwrap_or_else(|message| arguments::refuse(&message));
+    let checked = map::check(arguments.map.as_deref(), &arguments.files, &overlays);
+    checked.unwrap_or_else(|message| arguments::refuse(&message));
+    if arguments.map.is_some() && arguments.files.len() > 1 && !arguments.motion.is_sequence() {
+        arguments::refuse("--map of several frames needs --frame-interval-s or --frame-times: how far apart are they?");
+    }
     let checked = arguments.motion.check_frames(arguments.files.len());
     checked.unwrap_or_else(|message| arguments::refuse(&message));
     let setup = arguments.motion.load_setup(&arguments.setup.path)?;

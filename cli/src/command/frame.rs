@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 use image::GrayImage;
-use shutter_range::{Counters, Line, Ranger, Setup};
+use shutter_range::{Counters, Line, Motion, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
 use crate::input::frame_times::FrameName;
 use crate::input::picture::{self, Picture, PictureFormat};
 use crate::input::setup::SetupFile;
+use crate::output::map::Map;
 use crate::output::overlay;
 use crate::output::progress;
 use crate::output::report::{Document, Frame};
@@ -36,7 +37,8 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
     }
     let format = PictureFormat { size, raw: arguments.raw.is_some(), bits: setup.bits };
     let mut motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
-    let mut sequence = FrameSequence::new(setup, &motion, arguments.motion.all);
+    let mut sequence = FrameSequence::new(setup, &motion, arguments.motion.all)?;
+    let mut map = Map::new();
     let bar = progress::bar(arguments.files.len() as u64);
     let mut outcome = Outcome { document: Document { frames: Vec::new() }, failures: 0 };
     for (number, (index, file)) in (0..).zip(arguments.files.iter().enumerate()) {
@@ -47,10 +49,16 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         let result = match motion.in_frame(number, next) {
             Ok(motion) => {
                 let advanced = job.sequence.advance(&motion, to_next_s);
-                advanced.and_then(|()| job.range(file, &motion, overlays.get(index)))
+                let result = advanced.and_then(|()| job.range(file, &motion, overlays.get(index)));
+                if let Some(frame) = job.frames.last().filter(|_| result.is_ok()) {
+                    map.add(&frame.ranges, frame.gravity);
+                }
+                map.advance(Some(&motion.pose(to_next_s)));
+                result
             }
             Err(error) => {
                 job.sequence.restart();
+                map.advance(None);
                 Err(error.context(file.display().to_string()))
             }
         };
@@ -61,6 +69,9 @@ pub(crate) fn ranges(arguments: &FrameArgs, overlays: &[PathBuf], setup: &SetupF
         bar.inc(1);
     }
     bar.finish_and_clear();
+    if let Some(path) = &arguments.map {
+        map.write(path)?;
+    }
     Ok(outcome)
 }
 

@@ -12,3 +12,4 @@ pub(crate) mod range_table;
 pub(crate) mod truth;
 pub(crate) mod simulation_folder;
 pub(crate) mod overlay;
+pub(crate) mod map;

@@ -51,10 +51,14 @@ impl MotionArgs {
         if self.trajectory.is_some() { setup::load_without_velocity(path) } else { setup::load(path) }
     }
 
+    /// Whether the frames are one sequence.
+    pub(crate) fn is_sequence(&self) -> bool {
+        self.frame_interval_s.is_some() || self.frame_times.is_some()
+    }
+
     /// Refuses a number of frames that needs further arguments.
     pub(crate) fn check_frames(&self, frames: usize) -> Result<(), String> {
-        let is_sequence = self.frame_interval_s.is_some() || self.frame_times.is_some();
-        if self.trajectory.is_some() && !is_sequence && frames > 1 {
+        if self.trajectory.is_some() && !self.is_sequence() && frames > 1 {
             let needed = "--trajectory for several frames needs --frame-interval-s or --frame-times";
             return Err(format!("{needed}: when does each of them start?"));
         }
