@@ -50,6 +50,7 @@ mod sensor_modes;
 mod sensor_setup;
 mod sensor_transactions;
 mod sequence;
+mod vertical;
 mod simulator;
 mod statuses;
 mod symmetries;

@@ -319,3 +319,13 @@ fn a_start_from_standstill_mixes_no_edges_up() {
     check::<f32>();
     check::<f64>();
 }
+
+/// A landmark takes at most 208 bytes in single precision, as the documentation says: what a table of 16 adds for each.
+#[test]
+fn a_landmark_takes_at_most_208_bytes() {
+    let [small, large] = [size_of::<shutter_range::Sequence<f32, 8>>(), size_of::<shutter_range::Sequence<f32, 16>>()];
+    let landmark = (large - small) / 8;
+    println!("{landmark} bytes, and {}", small - 8 * landmark);
+    assert!(landmark <= 208, "{landmark}");
+    assert!(small - 8 * landmark <= 32);
+}

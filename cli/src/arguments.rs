@@ -271,6 +271,9 @@ pub(crate) struct FrameArgs {
     /// Write a page to look at: each frame with its edges, a bird's-eye view in metres, a table with the error budgets, hints
     #[arg(long, value_name = "OUT.html", value_parser = html_path)]
     pub(crate) report: Option<PathBuf>,
+    /// Draw the edges of the whole sequence from above, with two-sigma bars and the camera's path
+    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
+    pub(crate) map: Option<PathBuf>,
     /// The files are dumps of pixels without a header, row by row from the top. FORMAT is gray8 (default), yuyv, yvyu,
     /// uyvy, vyuy, rgb565le, rgb565be, gray10p (RAW10 as MIPI packs it), gray10le, gray12le, bayer8, bayer10p, bayer10le
     /// or bayer12le

@@ -106,6 +106,7 @@ Statuses:
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
   tentative     in a sequence, with --all: a line that is cluttered or short, until three frames agree
+                and more than chance would make them
 Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
 
 const POSTS: &str = "\
@@ -118,7 +119,8 @@ Overlay:
   blue, thick   far: lower bound of the depth beside the edge
   orange, thin  inconsistent, leaning, moving, bent, cluttered or sideways
   grey, thin    slow, short or tentative
-An overlay that is there already is replaced; one that would replace a frame is refused.";
+In a sequence the number of frames that an edge rests on follows in parentheses. An overlay or a map that
+is there already is replaced; one that would replace a frame is refused.";
 
 const EDGE_EXAMPLES: &str = "\
 Example:
@@ -132,6 +134,7 @@ Examples:
   shutter-range frame frame.png --setup motion.toml --camera camera_info.yaml --report ranges.html
   ffmpeg -i drive.mp4 -f yuv4mpegpipe - | shutter-range frame - --setup camera.toml --frame-interval-s 0.0333
   shutter-range frame *.png --setup camera.toml --json-lines > ranges.jsonl
+  shutter-range frame *.png --setup camera.toml --frame-interval-s 0.0333 --map drive.svg
   shutter-range frame dump.bin --raw 320x240:yuyv --setup camera.toml --json";
 
 pub(crate) const SIMULATE: &str = "\

@@ -19,7 +19,7 @@ use crate::command::{
     table2,
 };
 use crate::output::frame_writer::{FrameFormat, FrameWriter};
-use crate::output::{overlay, range_table, safe_file, terminal, truth};
+use crate::output::{map, overlay, range_table, safe_file, terminal, truth};
 use crate::ranging::workers::STACK_BYTES;
 
 fn main() -> ExitCode {
@@ -84,6 +84,8 @@ fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     frame::check_inputs(arguments).unwrap_or_else(|message| refuse(message));
     let overlays =
         overlay::paths(&arguments.files, arguments.overlay.as_deref()).unwrap_or_else(|message| refuse(message));
+    let checked = map::check(arguments.map.as_deref(), &arguments.files, &overlays);
+    checked.unwrap_or_else(|message| refuse(message));
     let setup = arguments.motion.load_setup(&arguments.setup)?;
     let mut writer = FrameWriter::new(format);
     let outcome = frame::ranges(arguments, &overlays, &setup, &mut writer);

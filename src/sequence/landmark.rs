@@ -4,13 +4,14 @@ use super::extent::Extent;
 use super::gate::{Comparison, GATE_SIGMAS, sigma_px};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::vertical::EdgePlane;
 use crate::edge::Polarity;
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::range::{
     Covariance, Line3, LineState, Observation, Observer, Range, RangeStatus, RowPlane, Sample, SampleSet,
 };
-use crate::scalar::{NS_PER_S, Scalar, hypot};
+use crate::scalar::{NS_PER_S, Scalar, add, cross, dot, hypot, scale, sub};
 use crate::setup::Setup;
 
 #[derive(Clone, Copy, Debug)]
@@ -194,6 +195,37 @@ impl<S: Scalar> Landmark<S> {
     /// Which part of this edge a line of this frame covers.
     pub(crate) fn extent_of(&self, observation: &LineObservation<S>) -> Option<Extent<S>> {
         Extent::between(&self.state.line3, &observation.rows)
+    }
+
+    /// The plane through the camera and this edge, once frames have measured its lean; before, it only repeats what was assumed
+    /// of the vertical.
+    pub(super) fn plane(&self, setup: &Setup<S>) -> Option<EdgePlane<S>> {
+        let [_, _, sigma_tilt] = self.state.covariance.sigma();
+        let lean = setup.uncertainty().sigma_tilt;
+        let [from, to] = self.extent.ends();
+        let is_measured = self.frames > 1 && self.missed == 0 && sigma_tilt + sigma_tilt < lean;
+        is_measured.then(|| EdgePlane::of_edge(&self.state.line3, hypot(sigma_tilt, lean), to - from))
+    }
+
+    /// The same edge with another belief of where down is: its line in the image stays, and so does the depth in the middle of
+    /// what was seen. `None` where that is beside the camera.
+    pub(crate) fn with_gravity(self, gravity: [S; 3]) -> Option<Self> {
+        let line3 = self.state.line3;
+        let [from, to] = self.extent.ends();
+        let point = add([line3.bearing, S::ZERO, S::ONE], scale(line3.direction(), (from + to) * S::ratio(1, 2)));
+        let normal = cross(point, line3.direction());
+        let start = Line3::start(gravity);
+        let tilt = -(dot(normal, start.gravity) / dot(normal, start.lean));
+        let upright = Line3 { tilt, ..start };
+        let ([_, y, _], [_, down_y, _]) = (point, upright.direction());
+        let [x, _, depth] = sub(point, scale(upright.direction(), y / down_y));
+        let turned = Line3 { bearing: x / depth, inverse_depth: line3.inverse_depth / depth, ..upright };
+        let is_sound = depth > S::ratio(1, 10) && tilt.is_finite() && turned.bearing.is_finite();
+        // Beyond the middle the line lay at wrong depths, and drew the estimate aside accordingly.
+        let change = sub(gravity, line3.gravity);
+        let off = line3.inverse_depth * dot(change, change).sqrt() * (to - from) * S::ratio(1, 2);
+        let covariance = self.state.covariance.and([S::ZERO, off, S::ZERO]);
+        is_sound.then_some(Self { state: LineState { line3: turned, covariance, ..self.state }, ..self })
     }
 
     /// The same at the start of the next frame; `None` where the edge is beside or behind the camera then.

@@ -2,9 +2,11 @@
 
 mod propagation;
 mod extent;
+mod vertical;
 mod line_observation;
 mod gate;
 mod landmark;
 mod sequence;
 
 pub use sequence::Sequence;
+pub use vertical::Vertical;

@@ -6,6 +6,7 @@ use super::extent::Extent;
 use super::landmark::{Landmark, Match, is_informative, may_begin};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
@@ -164,6 +165,17 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             None => false,
         });
         Ok(())
+    }
+
+    /// Learns the vertical from the edges that several frames have shown, and takes it over for all of them: what their lines
+    /// in the image are stays. Call it after a frame whose motion has the `gravity` of this vertical.
+    ///
+    /// *Cost*: 12 rounds of some 50 operations for each landmark.
+    pub fn learn_vertical(&mut self, setup: &Setup<S>, vertical: &mut Vertical<S>) {
+        let landmarks = &self.landmarks;
+        vertical.learn(|| landmarks.iter().filter_map(|landmark| landmark.plane(setup)));
+        let gravity = vertical.gravity();
+        self.landmarks.retain_mut(|landmark| landmark.with_gravity(gravity).map(|turned| *landmark = turned).is_some());
     }
 
     /// Forgets all edges, for when the motion to the next frame is not known. Their names are not used again.

@@ -28,7 +28,7 @@ pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Res
     motion.check_frames(groups.len()).map_err(Error::msg)?;
     let names = groups.keys().map(|frame| (frame_number(*frame), frame_name(&name, *frame))).collect();
     let camera_motion = CameraMotion::new(motion, setup, names)?;
-    let sequence = FrameSequence::new(setup, &camera_motion, motion.all);
+    let sequence = FrameSequence::new(setup, &camera_motion, motion.all)?;
     let frames = frames(&name, groups, sequence, camera_motion).with_context(|| name.clone())?;
     Ok(Document { frames })
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use image::{DynamicImage, GrayImage};
 use shutter_range::format::Pixels;
-use shutter_range::{Counters, Line, Ranger, Setup};
+use shutter_range::{Counters, Line, Motion, Ranger, Setup};
 
 use crate::arguments::FrameArgs;
 use crate::input::file_identity::FileIdentity;
@@ -15,6 +15,7 @@ use crate::input::picture::{Picture, PictureFormat};
 use crate::input::setup::SetupFile;
 use crate::output::frame_writer::FrameWriter;
 use crate::output::html_report::HtmlReport;
+use crate::output::map::Map;
 use crate::output::overlay;
 use crate::output::progress;
 use crate::output::report::Frame;
@@ -52,7 +53,13 @@ pub(crate) fn check_inputs(arguments: &FrameArgs) -> Result<(), String> {
         }
     }
     // A video counts as several.
-    arguments.motion.check_frames(files.len() + usize::from(has_video))
+    let frames = files.len() + usize::from(has_video);
+    if arguments.map.is_some() && frames > 1 && !arguments.motion.is_sequence() {
+        return Err(
+            "--map of several frames needs --frame-interval-s or --frame-times: how far apart are they?".to_string()
+        );
+    }
+    arguments.motion.check_frames(frames)
 }
 
 /// Frames are read and searched for edges by many threads; their ranges follow in the order of the frames.
@@ -70,11 +77,12 @@ pub(crate) fn ranges(
     let format = PictureFormat { size: Some(size), raw: arguments.raw, bits: setup.bits };
     let motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
     let ranging = Ranging {
-        sequence: FrameSequence::new(setup, &motion, arguments.motion.all),
+        sequence: FrameSequence::new(setup, &motion, arguments.motion.all)?,
         motion,
         number: 0,
         overlays,
         writer,
+        map: arguments.map.as_deref().map(Map::new),
         report: arguments.report.as_deref().map(HtmlReport::new),
         failures: 0,
     };
@@ -146,6 +154,7 @@ struct Ranging<'a> {
     number: i64,
     overlays: &'a [PathBuf],
     writer: &'a mut FrameWriter,
+    map: Option<Map>,
     report: Option<HtmlReport>,
     failures: usize,
 }
@@ -169,6 +178,7 @@ impl Ranging<'_> {
             }
         }
         bar.finish_and_clear();
+        self.map.map_or(Ok(()), Map::write)?;
         self.report.map_or(Ok(()), HtmlReport::finish)?;
         Ok(Failures(self.failures))
     }
@@ -200,13 +210,23 @@ impl Ranging<'_> {
             Ok(motion) => motion,
             Err(error) => {
                 self.sequence.restart();
+                self.map.iter_mut().for_each(|map| map.advance(None));
                 return Err(error.context(name));
             }
         };
-        self.sequence.advance(&motion, to_next_s)?;
-        let Edges { lines, hints, picture } = edges?;
-        let ranges = self.sequence.frame(&motion, &lines.lines)?;
-        Ok((Frame::new(name, lines.torn, &ranges, &lines.counters, hints), picture))
+        let sequence = &mut self.sequence;
+        let ranged = sequence.advance(&motion, to_next_s).and_then(|()| {
+            let Edges { lines, hints, picture } = edges?;
+            let ranges = sequence.frame(&motion, &lines.lines)?;
+            Ok((Frame::new(name, lines.torn, &ranges, &lines.counters, hints), picture))
+        });
+        if let Some(map) = &mut self.map {
+            if let Ok((frame, _)) = &ranged {
+                map.add(&frame.ranges, frame.gravity);
+            }
+            map.advance(Some(&motion.pose(to_next_s)));
+        }
+        ranged
     }
 }
 

@@ -35,6 +35,18 @@ pub(crate) struct SetupFile {
     /// Significant bits of pictures in a container of 16.
     pub(crate) bits: Option<u32>,
     pub(crate) usual: Usual,
+    pub(crate) gravity_source: GravitySource,
+}
+
+/// Where the direction of down comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GravitySource {
+    /// The setup or the trajectory.
+    Told,
+    /// The frames of a sequence.
+    Learned,
+    /// Each frame's edges.
+    Fitted,
 }
 
 impl SetupFile {
@@ -112,6 +124,7 @@ fn parse(
         optics,
         bits: camera_keys::bits(&camera)?,
         usual: Usual::of(&file)?,
+        gravity_source: gravity_source(&attitude)?,
     };
     refuse_unusual(&file, &camera, &motion, &attitude)?;
     Ok(file)
@@ -171,6 +184,22 @@ fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_
         .with_sigma_time_s(sigma_time_s))
 }
 
+const GRAVITY: &str = "the direction of down in x, y, z; or \"learn\" or \"fit\"";
+
+fn gravity_source(attitude: &Section<'_>) -> Result<GravitySource> {
+    let source = match attitude.text("gravity", GRAVITY).ok().flatten() {
+        None => return Ok(GravitySource::Told),
+        Some("learn") => GravitySource::Learned,
+        Some("fit") => GravitySource::Fitted,
+        Some(_) => return Err(attitude.refuse("gravity", format_args!("3 numbers: {GRAVITY}"))),
+    };
+    if attitude.has("sigma_gravity_deg") {
+        let needed = "left out where `gravity` is \"learn\" or \"fit\": it is estimated with it";
+        return Err(attitude.refuse("sigma_gravity_deg", needed));
+    }
+    Ok(source)
+}
+
 /// In the axes of the camera.
 fn twist(
     motion: &Section<'_>,
@@ -186,7 +215,9 @@ fn twist(
     let velocity_m_s =
         velocity_m_s.ok_or_else(|| motion.refuse("velocity_m_s", format_args!("3 numbers: {velocity}")))?;
     let rate_rad_s = motion.numbers("rate_rad_s", RATE, "about x, y, z (rad/s)")?.unwrap_or([0.0; 3]);
-    let gravity = attitude.numbers("gravity", DIRECTION, "the direction of down in x, y, z")?.unwrap_or(down);
+    let is_told = gravity_source(attitude)? == GravitySource::Told;
+    let gravity = if is_told { attitude.numbers("gravity", DIRECTION, GRAVITY)? } else { None };
+    let gravity = gravity.unwrap_or(down);
     let twist = match mount {
         Some(mount) => Twist::new(
             mount.velocity_in_camera(velocity_m_s, rate_rad_s),

@@ -17,3 +17,4 @@ pub(crate) mod truth;
 pub(crate) mod simulation_folder;
 pub(crate) mod overlay;
 pub(crate) mod chart;
+pub(crate) mod map;

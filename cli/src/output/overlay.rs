@@ -94,11 +94,12 @@ fn colour(status: RangeStatus) -> Rgb<u8> {
 }
 
 fn label(range: &RangeReport) -> Option<String> {
-    match range.status {
-        RangeStatus::Ok => Some(with_sigma(range.depth_m?, range.sigma_depth_m?, 1) + " m"),
-        RangeStatus::Far => Some(format!(">{} m", at_least(range.nearest_m?, 2))),
-        _ => None,
-    }
+    let depth = match range.status {
+        RangeStatus::Ok => with_sigma(range.depth_m?, range.sigma_depth_m?, 1) + " m",
+        RangeStatus::Far => format!(">{} m", at_least(range.nearest_m?, 2)),
+        _ => return None,
+    };
+    Some(if range.frames > 1 { format!("{depth} ({})", range.frames) } else { depth })
 }
 
 /// What a label should not cover.

@@ -84,7 +84,7 @@ impl Frame {
             // No component is "-0".
             gravity: [x + 0.0, y + 0.0, z + 0.0],
             sigma_gravity_deg: found.sigma_gravity_rad.to_degrees(),
-            hints: hints.into_iter().chain(found.suspicion.map(|suspicion| suspicion.to_string())).collect(),
+            hints: hints.into_iter().chain(found.hint.clone()).collect(),
         }
     }
 }

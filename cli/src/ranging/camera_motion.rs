@@ -52,10 +52,14 @@ impl MotionArgs {
         setup::load(SetupSource { has_trajectory: self.trajectory.is_some(), ..setup.source() })
     }
 
+    /// Whether the frames are one sequence.
+    pub(crate) fn is_sequence(&self) -> bool {
+        self.frame_interval_s.is_some() || self.frame_times.is_some()
+    }
+
     /// Refuses a number of frames that needs further arguments.
     pub(crate) fn check_frames(&self, frames: usize) -> Result<(), String> {
-        let is_sequence = self.frame_interval_s.is_some() || self.frame_times.is_some();
-        if self.trajectory.is_some() && !is_sequence && frames > 1 {
+        if self.trajectory.is_some() && !self.is_sequence() && frames > 1 {
             let needed = "--trajectory for several frames needs --frame-interval-s or --frame-times";
             return Err(format!("{needed}: when does each of them start?"));
         }

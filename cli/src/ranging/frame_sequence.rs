@@ -1,11 +1,10 @@
 //! [`FrameSequence`]: ranges of frame after frame, each on its own or all as one sequence.
 
 use anyhow::Result;
-use shutter_range::{
-    FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Sequence, Setup, Suspicion,
-};
+use shutter_range::{FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Sequence, Setup};
 
 use super::camera_motion::{CameraMotion, MotionInFrame};
+use super::down::Down;
 use super::tracking::KNOTS;
 use crate::input::setup::SetupFile;
 
@@ -21,6 +20,7 @@ pub(crate) struct FrameSequence {
     /// The way from the start of this frame to that of the next: the camera's pose there, and the seconds in between.
     to_next: Option<(Pose<f64>, f64)>,
     tells_tentative: bool,
+    down: Down,
 }
 
 /// What is told of a frame's lines.
@@ -34,15 +34,16 @@ pub(crate) struct FrameRanges {
     /// The direction of down that was used.
     pub(crate) gravity: [f64; 3],
     pub(crate) sigma_gravity_rad: f64,
-    pub(crate) suspicion: Option<Suspicion>,
+    pub(crate) hint: Option<String>,
 }
 
 impl FrameSequence {
-    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion, tells_tentative: bool) -> Self {
+    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion, tells_tentative: bool) -> Result<Self> {
         let is_unknown = file.optics.lens_blur_px.is_none();
         let lens = file.setup.motion_blur().filter(|_| is_unknown).copied().map(LensBlur::new);
         let sequence = motion.is_sequence().then(Box::default);
-        Self { setup: file.setup, lens, sequence, to_next: None, tells_tentative }
+        let down = Down::new(file.gravity_source, motion.is_sequence())?;
+        Ok(Self { setup: file.setup, lens, sequence, to_next: None, tells_tentative, down })
     }
 
     pub(crate) fn setup(&self) -> &Setup<f64> {
@@ -53,7 +54,8 @@ impl FrameSequence {
     pub(crate) fn advance(&mut self, motion: &MotionInFrame<'_>, to_next_s: f64) -> Result<()> {
         let to_this = self.to_next.replace((motion.pose(to_next_s), to_next_s));
         if let (Some(sequence), Some((pose, elapsed_s))) = (&mut self.sequence, to_this) {
-            sequence.advance(&self.setup, &pose, elapsed_s, motion.gravity())?;
+            self.down.advance(&pose, elapsed_s);
+            sequence.advance(&self.setup, &pose, elapsed_s, self.down.motion(motion).gravity())?;
         }
         Ok(())
     }
@@ -70,6 +72,9 @@ impl FrameSequence {
     pub(crate) fn frame(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<FrameRanges> {
         let tells_tentative = self.tells_tentative;
         let is_told = |range: &Range<f64>| tells_tentative || range.status != RangeStatus::Tentative;
+        let unknown = self.down.seek(&mut self.setup, motion, lines)?;
+        let motion = &self.down.motion(motion);
+        let sigma_gravity_rad = self.setup.uncertainty().sigma_gravity;
         let (mut ranges, untold): (Vec<_>, Vec<_>) = self.ranges(motion, lines)?.into_iter().partition(is_told);
         ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
         let mut report = FrameReport::new();
@@ -78,18 +83,21 @@ impl FrameSequence {
             untold_points: untold.iter().map(|range| u32::from(range.points)).sum(),
             posts: (0..ranges.len()).map(|index| Post::of(&ranges, index)).collect(),
             gravity: motion.gravity(),
-            sigma_gravity_rad: self.setup.uncertainty().sigma_gravity,
-            suspicion: report.suspicion(&self.setup),
+            sigma_gravity_rad,
+            hint: unknown.or_else(|| report.suspicion(&self.setup).map(|suspicion| suspicion.to_string())),
             ranges,
         })
     }
 
-    fn ranges(&mut self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
+    fn ranges<M: Motion<f64>>(&mut self, motion: &M, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
         let Some(sequence) = &mut self.sequence else {
             return self.independent_ranges(motion, lines);
         };
         let mut ranges = Vec::new();
         sequence.lines(&self.setup, motion, lines, |range| ranges.push(range));
+        if let Some(vertical) = self.down.learned() {
+            sequence.learn_vertical(&self.setup, vertical);
+        }
         if let Some(lens) = &mut self.lens {
             self.setup = with_learned_blur(&self.setup, lens, &ranges)?;
         }
@@ -97,7 +105,7 @@ impl FrameSequence {
     }
 
     /// A single frame measures the lens blur, too: once with the blur assumed, then with that of all lines together.
-    fn independent_ranges(&self, motion: &MotionInFrame<'_>, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
+    fn independent_ranges<M: Motion<f64>>(&self, motion: &M, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {
         let ranges_with =
             |setup: &Setup<f64>| lines.iter().map(|line| Range::from_line(setup, motion, line)).collect::<Vec<_>>();
         let ranges = ranges_with(&self.setup);

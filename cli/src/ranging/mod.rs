@@ -6,4 +6,5 @@ pub(crate) mod tracking;
 pub(crate) mod frame_starts;
 pub(crate) mod camera_motion;
 pub(crate) mod hints;
+pub(crate) mod down;
 pub(crate) mod frame_sequence;

@@ -142,3 +142,92 @@ fn frames_of_the_same_instant_are_no_sequence() {
         assert!(outcome.stderr.contains("above 0, at most 3600 (seconds)"), "{}", outcome.stderr);
     }
 }
+
+/// A map shows each edge of the drive once, with the camera's path, and says what it needs.
+#[test]
+fn a_map_shows_the_edges_from_above() {
+    let (folder, _) = simulated(&setup(0.5, ""));
+    frame(&folder, &["--frame-interval-s", "0.04", "--map", "drive.svg"]);
+    let svg = String::from_utf8(folder.read("drive.svg")).expect("text");
+    assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"), "{svg}");
+    assert_eq!(svg.matches("5 frames</title>").count(), 4, "{svg}");
+    assert_eq!(svg.matches("<title>camera</title>").count(), FRAMES);
+    let files = ["out/frame-0000.png", "out/frame-0001.png"];
+    let run = |rest: &[&str]| folder.run(&[&["frame", "--setup", "setup.toml"], &files[..], rest].concat());
+    let outcome = run(&["--map", "m.svg"]);
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("--map of several frames needs --frame-interval-s"), "{}", outcome.stderr);
+    let outcome = run(&["--frame-interval-s", "0.04", "--map", "m.png"]);
+    assert!(outcome.code == 2 && outcome.stderr.contains("it must end in .svg"), "{}", outcome.stderr);
+}
+
+/// Six edges before a camera that rolls by 4° and looks 7° down.
+const SIX_EDGES: &str = "\
+[background]
+level = 200
+[[bar]]
+bearing = -0.35
+depth_m = 2.0
+width_m = 0.12
+level = 40
+[[bar]]
+bearing = 0.0
+depth_m = 2.6
+width_m = 0.2
+level = 60
+[[bar]]
+bearing = 0.3
+depth_m = 2.2
+width_m = 0.15
+level = 50
+";
+
+const TURNED: [f64; 3] = [0.07, 0.99, 0.12];
+
+fn turned_camera(rest: &[&str]) -> Value {
+    let told = setup(0.1, "").replace("[attitude]\n", &format!("[attitude]\ngravity = {TURNED:?}\n"));
+    let folder = Folder::new().with("told.toml", told.as_str()).with("scene.toml", SIX_EDGES);
+    let learning = told.replace(&format!("gravity = {TURNED:?}"), "gravity = \"learn\"");
+    let folder = folder.with("setup.toml", learning.as_str());
+    let arguments = ["simulate", "--setup", "told.toml", "--scene", "scene.toml", "--out", "out", "--frames", "5"];
+    let outcome = folder.run(&[&arguments[..], &["--frame-interval-s", "0.04"]].concat());
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    frame(&folder, rest)
+}
+
+#[test]
+fn a_sequence_learns_its_gravity() {
+    let found = turned_camera(&["--frame-interval-s", "0.04"]);
+    let length = TURNED.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let last = &found["frames"][FRAMES - 1];
+    let sigma_deg = number(last, "sigma_gravity_deg");
+    assert!(sigma_deg < 0.5 && number(&found["frames"][0], "sigma_gravity_deg") > sigma_deg, "{last}");
+    for (axis, part) in TURNED.into_iter().enumerate() {
+        let learned = last["gravity"][axis].as_f64().expect("a number");
+        assert_near(learned, part / length, 3.0 * sigma_deg.to_radians());
+    }
+    let ok = ranges(&found, FRAMES - 1).iter().filter(|range| range["status"] == "ok").count();
+    assert!(ok >= 5, "{ok}");
+}
+
+#[test]
+fn learning_gravity_needs_a_sequence() {
+    for (gravity, expected) in [("\"learn\"", "for frames that are no sequence"), ("\"down\"", "\"learn\" or \"fit\"")]
+    {
+        let text = SETUP.replace("[attitude]\n", &format!("[attitude]\ngravity = {gravity}\n"));
+        let folder = Folder::new().with("setup.toml", text.as_str()).with("a.csv", "row,column\n1,2\n");
+        let outcome = folder.run(&["edges", "a.csv", "--setup", "setup.toml"]);
+        assert!(outcome.code == 1 && outcome.stderr.contains(expected), "{}", outcome.stderr);
+    }
+}
+
+/// A single frame without an exposure cannot tell roll and pitch, and says so.
+#[test]
+fn fitting_gravity_to_a_frame_says_where_it_cannot() {
+    let text = SETUP.replace("[attitude]\n", "[attitude]\ngravity = \"fit\"\n");
+    let folder = Folder::new().with("setup.toml", text.as_str()).with("a.csv", "row,column\n1,2\n");
+    let found = folder.run(&["edges", "a.csv", "--setup", "setup.toml", "--json"]).json();
+    let hint = found["frames"][0]["hints"][0].as_str().expect("a hint");
+    assert!(hint.starts_with("gravity cannot be fitted to this frame"), "{hint}");
+    assert!(number(&found["frames"][0], "sigma_gravity_deg") > 7.0);
+}
