@@ -41,6 +41,8 @@ const MOST_SIGMAS: i32 = 4;
 
 impl<S: Scalar> BlurMeasurement<S> {
     /// From the widths of a line's points; `None` where the exposure is not known or too few widths were measured.
+    // Not inlined, as other parts of a range: what each of them needs then leaves the stack before the next one comes.
+    #[inline(never)]
     pub(super) fn of_line<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,

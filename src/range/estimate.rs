@@ -67,6 +67,7 @@ impl<S> Interval<S> {
 }
 
 impl<S: Scalar> Estimate<S> {
+    #[inline(never)]
     pub(crate) fn new(state: &LineState<S>, setup: &Setup<S>, goodness_of_fit: &GoodnessOfFit<S>) -> Self {
         let LineState { line3, covariance, sensitivity } = state;
         let across = cross([line3.bearing, S::ZERO, S::ONE], line3.gravity);

@@ -127,6 +127,7 @@ impl<S: Scalar> Range<S> {
         }
     }
 
+    #[inline(never)]
     fn fill<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -247,7 +248,13 @@ pub(crate) fn column_at<S: Scalar, M: Motion<S>>(
     let steps = if setup.camera().is_straight() { 1 } else { 3 };
     for _ in 0..steps {
         match observer.observe(&sample).and_then(|observation| line3.residual(&observation).px()) {
-            Some(off_px) => sample.column_px = sample.column_px - off_px,
+            Some(off_px) => {
+                sample.column_px = sample.column_px - off_px;
+                // The next step would be the square of this, in units of the focal length.
+                if off_px.abs() < S::ratio(1, 256) {
+                    break;
+                }
+            }
             None => break,
         }
     }

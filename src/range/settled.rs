@@ -24,6 +24,7 @@ pub(super) struct Settled<'a, S, M, const N: usize> {
 }
 
 impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
+    #[inline(never)]
     pub(super) fn sensitivity(&self) -> Sensitivity<S> {
         let Self { setup, prior, observations, equations, at, solution, .. } = self;
         let counts = SharedError::ALL.map(|error| error.sigma(setup, at.bearing) > S::ZERO);

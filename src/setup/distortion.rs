@@ -152,7 +152,9 @@ impl<S: Scalar> Distortion<S> {
             let jacobian = mapped.inverse_jacobian()?;
             let [[iuu, iuw], [iwu, iww]] = jacobian;
             let (mut du, mut dw) = (iuu * residual[0] + iuw * residual[1], iwu * residual[0] + iww * residual[1]);
-            if !(du.abs() + dw.abs() > S::EPSILON * S::from_i32(8)) {
+            // The next step would be its square, or a few times that.
+            let step = du.abs() + dw.abs();
+            if !(step * step > S::EPSILON * S::ratio(1, 16)) {
                 return Some(Mapped { point: [point[0] + du, point[1] + dw], jacobian });
             }
             // A step that overshoots is halved: near a fold the linear model holds for short steps only.
