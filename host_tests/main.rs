@@ -17,6 +17,7 @@ mod false_distances;
 mod forward_motion;
 mod formats;
 mod frames;
+mod hand_over;
 mod harness;
 mod journey;
 mod knots;
