@@ -19,6 +19,7 @@ mod flicker;
 mod forward_motion;
 mod formats;
 mod frames;
+mod hand_over;
 mod harness;
 mod imu;
 mod journey;

@@ -124,6 +124,7 @@ pub mod sensor;
 
 // The way of the data: a row of pixels, edge points, lines, ranges.
 pub mod format;
+pub mod hand_over;
 mod edge;
 mod line;
 mod range;

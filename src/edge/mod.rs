@@ -1,8 +1,8 @@
 //! From a row of pixels to edge points, in integers.
 
 mod point;
-mod scan;
 mod pixel_row;
+mod scan;
 mod spread_function;
 mod moments;
 mod window;

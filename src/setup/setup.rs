@@ -97,6 +97,25 @@ impl<S: Scalar> Setup<S> {
         Ok(Self { motion_blur: Some(motion_blur), ..self })
     }
 
+    /// The same for a frame of another exposure, in seconds: automatic exposure sets it anew for each. What was stated of
+    /// the lens stays; without that it is an unknown one.
+    ///
+    /// Range a frame with the exposure that its rows had: with most sensors one that is set counts two frames later.
+    ///
+    /// ```
+    /// # use shutter_range::{MotionBlur, Setup};
+    /// let setup = Setup::pinhole(640, 480, 600.0_f32, 33_300_000)?.with_motion_blur(MotionBlur::from_exposure(0.008))?;
+    /// let darker = setup.with_exposure_s(0.016)?;
+    /// assert_eq!(darker.motion_blur().map(|blur| blur.exposure_s), Some(0.016));
+    /// # Ok::<(), shutter_range::ParameterError>(())
+    /// ```
+    ///
+    /// *Errors*: as [`Setup::with_motion_blur`].
+    pub fn with_exposure_s(self, exposure_s: S) -> Result<Self, ParameterError> {
+        let blur = self.motion_blur.unwrap_or_else(|| MotionBlur::from_exposure(exposure_s));
+        self.with_motion_blur(MotionBlur { exposure_s, ..blur })
+    }
+
     /// The same with a known response of the pixels.
     #[must_use]
     pub fn with_response(self, response: Response) -> Self {
