@@ -261,7 +261,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let deviations = self.deviations(&line);
         let count = self.terms.len();
         let few = S::ratio(16, i32::try_from(count).unwrap_or(i32::MAX).max(1));
-        let limit = robust_scale_of(deviations.clone()) * (S::from_i32(OUTLIER_SIGMAS) + few);
+        let limit = robust_scale_of(&deviations) * (S::from_i32(OUTLIER_SIGMAS) + few);
         let outliers = deviations.iter().filter(|deviation| **deviation > limit).count();
         for (term, deviation) in self.terms.iter_mut().zip(&deviations) {
             term.robust_scale = S::ONE;

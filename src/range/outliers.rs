@@ -28,7 +28,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let sizes = self.deviations(solution, &[]);
         let most = sizes.iter().copied().fold(S::ZERO, S::max);
         let suspicious = S::from_i32(SUSPICIOUS);
-        most > suspicious * least_scale() && most > suspicious * robust_scale_of(sizes)
+        most > suspicious * least_scale() && most > suspicious * robust_scale_of(&sizes)
     }
 
     /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
@@ -52,7 +52,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let count = sizes.len();
         // From few samples the robust scale is not well known.
         let times = S::from_i32(OUTLIER) + S::ratio(16, count.max(1) as i32);
-        let limit = robust_scale_of(sizes.clone()) * times;
+        let limit = robust_scale_of(&sizes) * times;
         let outliers = sizes.iter().filter(|size| **size > limit).count();
         let leave_out = outliers > 0 && 3 * (self.observations.len() - count + outliers) <= self.observations.len();
         let mut sizes = sizes.iter();
@@ -90,9 +90,10 @@ fn least_scale<S: Scalar>() -> S {
     S::ratio(1, 2)
 }
 
-/// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma.
-pub(crate) fn robust_scale_of<S: Scalar, const N: usize>(mut sizes: Vec<S, N>) -> S {
-    let two_thirds = 2 * sizes.len() / 3;
-    sizes.sort_unstable_by(|a, b| a.partial_cmp(b).unwrap_or(core::cmp::Ordering::Equal));
-    sizes.get(two_thirds).copied().unwrap_or(S::ONE).max(least_scale())
+/// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is needed,
+/// which could panic.
+pub(crate) fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
+    let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
+    let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);
+    usual.unwrap_or(S::ONE).max(least_scale())
 }
