@@ -128,7 +128,7 @@ impl<'a, S: Scalar> Planner<'a, S> {
         let Some(Drawn { line, covered, shown, look, path_px }) = drawn else {
             return self.nothing();
         };
-        let range = Range::from_line(setup, self.motion, &line);
+        let range = Range::predicted(setup, self.motion, &line);
         let skew_px = line.last().column_px::<S>() - line.first().column_px();
         let rows = S::from_i32(i32::from(line.last().row.abs_diff(line.first().row)).max(1));
         let most_slope = S::from_ratio(setup.limits().max_slope_q16.into(), 1 << 16);

@@ -159,6 +159,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// What the residuals show, unless that is white noise as stated.
     #[inline(never)]
     fn wander(&self, solution: &Solution<S>) -> Option<Wander<S>> {
+        if self.prior.is_drawn {
+            return None;
+        }
         let mut residuals: Vec<_, N> = Vec::new();
         let equations = self.equations.observed.iter();
         for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {

@@ -18,6 +18,8 @@ pub(crate) struct Prior<'a, S> {
     pub(super) width_px: S,
     /// Samples that are known to be those of something else.
     pub(super) left_out: SampleSet,
+    /// The line is drawn where the edge is to be expected: that its residuals are small says nothing of its noise.
+    pub(super) is_drawn: bool,
 }
 
 /// A set of a line's samples by their places; those beyond the 64th are in no set.
@@ -66,7 +68,7 @@ impl<'a, S: Scalar> Prior<'a, S> {
         width_px: S,
         left_out: SampleSet,
     ) -> Self {
-        Self { state: state.map(|state| (state, state.statements())), blur, width_px, left_out }
+        Self { state: state.map(|state| (state, state.statements())), blur, width_px, left_out, is_drawn: false }
     }
 
     /// Its equations, linearised about `line3`, each with what shared errors do to it. The blur may be left out: far from the

@@ -67,6 +67,26 @@ impl<S: Scalar> Range<S> {
         earlier: Option<LineState<S>>,
         left_out: SampleSet,
     ) -> (Self, Option<LineState<S>>) {
+        Self::fitted(setup, motion, line, earlier, left_out, false)
+    }
+
+    /// The range that is to be expected of an edge, from a line that is drawn where it will be seen.
+    pub(crate) fn predicted<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+    ) -> Self {
+        Self::fitted(setup, motion, line, None, SampleSet::default(), true).0
+    }
+
+    fn fitted<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        earlier: Option<LineState<S>>,
+        left_out: SampleSet,
+        is_drawn: bool,
+    ) -> (Self, Option<LineState<S>>) {
         let mut range = Self::unfitted(line);
         let blur = BlurMeasurement::of_line(setup, motion, line);
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
@@ -74,7 +94,7 @@ impl<S: Scalar> Range<S> {
         let blur_enters = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
         let entering = blur.as_ref().filter(|_| blur_enters);
-        let prior = Prior::new(earlier.as_ref(), entering, width_px, left_out);
+        let prior = Prior { is_drawn, ..Prior::new(earlier.as_ref(), entering, width_px, left_out) };
         match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
             Ok(fitted) => {
                 range.fill(setup, motion, line, &fitted, earlier.is_none());
