@@ -110,9 +110,9 @@ mod on_board {
             }
             tally = Tally { frame: sent.frame, rows: tally.rows + 1, lost_rows: sent.lost_rows };
             // A row that comes where another was due tears the frame.
-            let _refused = ranger.row(setup, setup.readout().row_after(sent.row), &*sent.pixels);
+            let _refused = ranger.row(setup, setup.readout().row_after(sent.row), &*sent.content);
             cortex_m::asm::delay(other_work);
-            receiver.give_back(sent.pixels).expect("as many places as buffers");
+            receiver.give_back(sent.content).expect("as many places as buffers");
             if sent.row == ROWS - 1 {
                 finish(setup, &mut ranger, &mut tally);
             }

@@ -3,7 +3,7 @@
 use std::thread;
 
 use shutter_range::hand_over::{RowQueue, RowReceiver, RowSender};
-use shutter_range::{BoardRanger, DesktopRanger, RowError, Scanner, Setup};
+use shutter_range::{BoardRanger, DesktopRanger, EdgePoint, RowError, Scanner, Setup, Twist};
 
 const fn assert_send<T: Send>() {}
 const _: () = {
@@ -30,10 +30,10 @@ fn a_slow_receiver_loses_whole_rows() {
     }
     assert_eq!(sender.lost_rows(), 3);
     let rows: Vec<_> = std::iter::from_fn(|| receiver.next()).collect();
-    let told: Vec<_> = rows.iter().map(|sent| (sent.frame, sent.row, sent.lost_rows, *sent.pixels)).collect();
+    let told: Vec<_> = rows.iter().map(|sent| (sent.frame, sent.row, sent.lost_rows, *sent.content)).collect();
     assert_eq!(told, [(0, 0, 0, [1; 4]), (0, 1, 0, [2; 4])]);
     for sent in rows {
-        receiver.give_back(sent.pixels).expect("as many places as buffers");
+        receiver.give_back(sent.content).expect("as many places as buffers");
     }
     // The next row says what was lost before it, and that rows are missing.
     filling = sender.hand_over(filling);
@@ -57,8 +57,8 @@ fn a_lost_row_tears_the_frame() {
         filling = sender.hand_over(filling);
         // Busy during rows 3 and 4.
         while let Some(sent) = receiver.next() {
-            results.push(ranger.row(&setup, sent.row, &*sent.pixels));
-            kept.push(sent.pixels);
+            results.push(ranger.row(&setup, sent.row, &*sent.content));
+            kept.push(sent.content);
         }
         if ![2, 3].contains(&row) {
             kept.drain(..).for_each(|buffer| receiver.give_back(buffer).expect("as many places as buffers"));
@@ -96,11 +96,11 @@ fn rows_of_another_thread() {
             match receiver.next() {
                 Some(sent) => {
                     let number = sent.frame * 64 + u32::from(sent.row);
-                    assert_eq!(*sent.pixels, [number; 16]);
+                    assert_eq!(*sent.content, [number; 16]);
                     assert!(last < Some(number), "{number} after {last:?}");
                     assert_eq!(number, seen + sent.lost_rows, "nothing is lost uncounted");
                     (seen, last) = (seen + 1, Some(number));
-                    receiver.give_back(sent.pixels).expect("as many places as buffers");
+                    receiver.give_back(sent.content).expect("as many places as buffers");
                 }
                 None if is_over => break,
                 None => thread::yield_now(),
@@ -108,4 +108,41 @@ fn rows_of_another_thread() {
         }
         assert_eq!(seen + interrupt.join().expect("no panic"), ROWS);
     });
+}
+
+/// An interrupt that searches its rows itself hands over edge points: the same ranges come out as from points that went no way.
+#[test]
+fn edge_points_go_the_same_way() {
+    type Points = heapless::Vec<EdgePoint, 16>;
+    let setup = Setup::pinhole(64, 48, 60.0_f32, 8_000_000).expect("a sound setup");
+    let motion = Twist::level([-2.0, 0.0, 0.0]).expect("a motion");
+    let mut queue = RowQueue::<Box<Points>, 3>::new();
+    let (mut sender, mut receiver) = queue.split();
+    receiver.give_back(Box::default()).expect("room for two");
+    let (mut sent_points, mut direct) = (BoardRanger::new(), BoardRanger::new());
+    let (mut scanner, mut filling) = (Scanner::new(), Box::<Points>::default());
+    for row in 0..48 {
+        let edge = 24 + usize::from(row) / 6;
+        let pixels: [u8; 64] = std::array::from_fn(|column| if column < edge { 40 } else { 200 });
+        let time_ns = setup.readout().row_time_ns(row);
+        filling.clear();
+        scanner.scan(&pixels, |point| filling.push(point.at(row, time_ns)).expect("few edges in a row"));
+        for point in filling.iter() {
+            direct.edge_point(&setup, *point).expect("in order");
+        }
+        filling = sender.hand_over(filling);
+        while let Some(sent) = receiver.next() {
+            for point in sent.content.iter() {
+                sent_points.edge_point(&setup, *point).expect("in order");
+            }
+            receiver.give_back(sent.content).expect("as many places as buffers");
+        }
+    }
+    let [received, expected] = [sent_points, direct].map(|mut ranger| {
+        ranger.end_frame(&setup);
+        std::iter::from_fn(|| ranger.next_range(&setup, &motion)).collect::<Vec<_>>()
+    });
+    assert_eq!(sender.lost_rows(), 0);
+    assert!(!expected.is_empty(), "an edge");
+    assert_eq!(received, expected);
 }

@@ -5,7 +5,10 @@
 //! buffer: the interrupt keeps its own and fills it again, the row in it is lost and counted, and the rows that follow say so,
 //! since one is missing: [`Ranger::row`](crate::Ranger::row) then tears the frame. Neither side ever waits.
 //!
-//! Buffers are of any type, `&'static mut [u8; 320]` as a rule, and are moved, not copied. Two queues of `heapless::spsc`
+//! Buffers are of any type, `&'static mut [u8; 320]` as a rule, and are moved, not copied. An interrupt that has the time to
+//! search its row for edges, by a [`Scanner`](crate::Scanner) of its own, fills a `heapless::Vec` of
+//! [`EdgePoint`](crate::EdgePoint)s instead: less is then handed over, and the main loop goes on with
+//! [`Ranger::edge_point`](crate::Ranger::edge_point). Two queues of `heapless::spsc`
 //! carry them: plain loads and stores, so that a Cortex-M0 can have it, and no critical section.
 //!
 //! ```
@@ -23,8 +26,8 @@
 //!
 //! // In the main loop:
 //! let row = receiver.next().expect("a row");
-//! assert_eq!((row.frame, row.row, row.pixels[7]), (0, 0, 200));
-//! receiver.give_back(row.pixels)?;
+//! assert_eq!((row.frame, row.row, row.content[7]), (0, 0, 200));
+//! receiver.give_back(row.content)?;
 //! # Ok::<(), &mut [u8; 320]>(())
 //! ```
 
@@ -47,8 +50,8 @@ pub struct SentRow<B> {
     pub row: u16,
     /// Rows that were lost since the queue was made, up to the time at which this one was handed over.
     pub lost_rows: u32,
-    /// The buffer.
-    pub pixels: B,
+    /// The buffer with its pixels, or its edge points.
+    pub content: B,
 }
 
 impl<B, const N: usize> RowQueue<B, N> {
@@ -84,19 +87,19 @@ impl<B> RowSender<'_, B> {
     /// Takes the next row of the frame and gives a buffer for the one after it: another one, or the same where there is no
     /// other. The row is then lost.
     #[must_use]
-    pub fn hand_over(&mut self, pixels: B) -> B {
+    pub fn hand_over(&mut self, content: B) -> B {
         let row = self.row;
         self.row = row.saturating_add(1);
         let spare = if self.full.ready() { self.empty.dequeue() } else { None };
         let Some(spare) = spare else {
             self.lost_rows = self.lost_rows.saturating_add(1);
-            return pixels;
+            return content;
         };
-        let sent = SentRow { frame: self.frame, row, lost_rows: self.lost_rows, pixels };
+        let sent = SentRow { frame: self.frame, row, lost_rows: self.lost_rows, content };
         match self.full.enqueue(sent) {
             Ok(()) => spare,
             // There was room, and nobody else enqueues.
-            Err(refused) => refused.pixels,
+            Err(refused) => refused.content,
         }
     }
 

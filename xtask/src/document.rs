@@ -20,8 +20,14 @@ const QVGA_PIXELS: f64 = 320.0 * 240.0;
 
 pub(crate) fn write(figures: &[Figure]) -> Result<()> {
     let table = Table(figures);
-    let sections =
-        [table.rows(), table.milliseconds(), table.solving(), table.sizes(Opt::Speed), table.sizes(Opt::Size)];
+    let sections = [
+        table.rows(),
+        table.formats(),
+        table.milliseconds(),
+        table.solving(),
+        table.sizes(Opt::Speed),
+        table.sizes(Opt::Size),
+    ];
     replace("docs/budget.md", &sections.join("\n"))?;
     replace("README.md", &table.summary())
 }
@@ -63,6 +69,18 @@ impl Table<'_> {
             cells.push(cell(value("rows worst", "instructions_per_row"), 0));
             cells.push(cell(value("edge", "instructions"), 0));
             text += &line(&board.to_string(), &cells);
+        }
+        text
+    }
+
+    fn formats(&self) -> String {
+        let formats = ["", " yuyv", " rgb565le", " gray10p", " bayer8"];
+        let mut text = "The same of the two bars in other pixel formats:\n\n\
+                        | board | gray8 | yuyv | rgb565le | gray10p | bayer8 |\n|---|---|---|---|---|---|\n"
+            .to_owned();
+        for board in Self::boards() {
+            let value = |of: &str| self.value(board, BackEnd::F32, Opt::Speed, of, "instructions_per_pixel");
+            text += &line(&board.to_string(), &formats.map(|format| cell(value(&format!("rows two bars{format}")), 1)));
         }
         text
     }

@@ -1,9 +1,10 @@
 //! The scenes of pixels: what stands before a QVGA camera that moves sideways at 1.5 m/s.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
-use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Texture};
+use shutter_range::format::PixelFormat;
+use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Texture, Tint};
 use shutter_range::{Setup, Twist};
 
 use crate::job::{Motion, Rig};
@@ -15,7 +16,7 @@ const FOCAL_PX: f32 = Rig::QVGA.focal_px as f32;
 const BRIGHT: f32 = 170.0;
 const DARK: f32 = 60.0;
 
-/// Grey levels of a frame, row by row.
+/// The bytes of a frame, row by row.
 pub(crate) type Frame = Vec<u8>;
 
 /// The frames of a scene.
@@ -92,16 +93,29 @@ fn exposure(is_noisy: bool) -> Exposure {
     Exposure { time_s: Rig::QVGA.exposure_s as f32, psf_sigma_px: Rig::QVGA.lens_px as f32, read_noise, shot_gain }
 }
 
+/// The two bars in another pixel format; those of a mosaic are seen in coloured light.
+pub(crate) fn two_bars_in(format: PixelFormat) -> Result<Vec<Frame>> {
+    let scene = with(Background::plain(BRIGHT), &TWO_BARS)?;
+    let tint = Tint { offset: [25.0, 0.0, 45.0], gain: [0.8, 1.0, 0.7] };
+    (0..FRAMES).map(|seed| frame_in(&scene, exposure(false), seed.into(), format, tint)).collect()
+}
+
 fn render(scene: &Objects, is_noisy: bool) -> Result<Vec<Frame>> {
     (0..FRAMES).map(|seed| frame(scene, exposure(is_noisy), seed.into())).collect()
 }
 
 fn frame(scene: &Objects, exposure: Exposure, seed: u64) -> Result<Frame> {
+    frame_in(scene, exposure, seed, PixelFormat::Grey8, Tint::NEUTRAL)
+}
+
+fn frame_in(scene: &Objects, exposure: Exposure, seed: u64, format: PixelFormat, tint: Tint) -> Result<Frame> {
     let Rig { columns, rows, readout_ns, .. } = Rig::QVGA;
     let setup = Setup::pinhole(columns, rows, FOCAL_PX, readout_ns.unsigned_abs())?;
     let motion = Twist::level(Motion::SIDEWAYS.velocity_m_s.map(|speed| speed as f32))?;
     let simulator = Simulator::new(scene, setup.camera(), setup.readout(), &motion, exposure, seed)?;
-    let mut frame = vec![0; usize::from(columns) * usize::from(rows)];
-    (0..rows).zip(frame.chunks_mut(columns.into())).for_each(|(row, pixels)| simulator.row(row, pixels));
+    let simulator = simulator.with_tint(tint)?;
+    let row_bytes = format.row_bytes(columns).context("a row of this format")?;
+    let mut frame = vec![0; row_bytes * usize::from(rows)];
+    (0..rows).zip(frame.chunks_mut(row_bytes)).for_each(|(row, bytes)| simulator.row_in(row, format, bytes));
     Ok(frame)
 }

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, ensure};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
+use shutter_range::format::PixelFormat;
 use shutter_range::{EdgePoint, Polarity};
 
 use crate::firmware::Firmware;
@@ -22,13 +23,17 @@ pub(crate) struct Use {
     measure: fn(&Firmware, &str) -> Result<Measured>,
 }
 
-pub(crate) const USES: [Use; 18] = [
+pub(crate) const USES: [Use; 22] = [
     Use { name: "rows flat", solves: false, measure: rows },
     Use { name: "rows two bars", solves: false, measure: rows },
     Use { name: "rows five bars", solves: false, measure: rows },
     Use { name: "rows noise 12", solves: false, measure: rows },
     Use { name: "rows clutter", solves: false, measure: rows },
     Use { name: "rows fence", solves: false, measure: rows },
+    Use { name: "rows two bars yuyv", solves: false, measure: rows_in_format },
+    Use { name: "rows two bars rgb565le", solves: false, measure: rows_in_format },
+    Use { name: "rows two bars gray10p", solves: false, measure: rows_in_format },
+    Use { name: "rows two bars bayer8", solves: false, measure: rows_in_format },
     Use { name: "rows worst", solves: false, measure: rows_worst },
     Use { name: "edge", solves: false, measure: edge },
     Use { name: "line", solves: true, measure: line },
@@ -51,6 +56,7 @@ impl Use {
             "pixels" => "pixels",
             "pixels sequence" => "pixels_sequence",
             "pixels trajectory" => "pixels_trajectory",
+            name if name.starts_with("rows two bars ") => "formats",
             name if name.starts_with("rows ") => "rows",
             _ => "solve",
         }
@@ -76,9 +82,13 @@ pub(crate) struct FrameCost {
 pub(crate) fn count_rows(firmware: &Firmware, frames: &[Frame]) -> Result<Vec<FrameCost>> {
     let mut job = Job::default();
     job.rig(&Rig::QVGA);
+    cost_of_frames(firmware, "rows", job, frames)
+}
+
+fn cost_of_frames(firmware: &Firmware, program: &str, mut job: Job, frames: &[Frame]) -> Result<Vec<FrameCost>> {
     job.count(frames.len());
     frames.iter().for_each(|frame| job.push(frame));
-    let told = firmware.run("rows", &job)?;
+    let told = firmware.run(program, &job)?;
     ensure!(told.len() == frames.len(), "{} of {} frames", told.len(), frames.len());
     let cost = |words: &Vec<String>| {
         Ok(FrameCost { all: number(words, 1)?, dearest: number(words, 2)?, stack: number(words, 5)? })
@@ -98,14 +108,29 @@ fn most(values: impl Iterator<Item = u64>) -> f64 {
 fn rows(firmware: &Firmware, name: &str) -> Result<Measured> {
     let scene = name.strip_prefix("rows ").unwrap_or(name);
     let frames = scenes::frames(scene)?.with_context(|| format!("no scene {scene}"))?;
-    let costs = count_rows(firmware, &frames)?;
-    let pixels: usize = frames.iter().map(Vec::len).sum();
+    Ok(figures_of_rows(&count_rows(firmware, &frames)?))
+}
+
+/// The two bars as a sensor with this format delivers them.
+fn rows_in_format(firmware: &Firmware, name: &str) -> Result<Measured> {
+    let word = name.rsplit(' ').next().unwrap_or(name);
+    let index = PixelFormat::ALL.iter().position(|format| format.name() == word);
+    let (index, format) = index.and_then(|at| Some((at, *PixelFormat::ALL.get(at)?))).context("no such format")?;
+    let mut job = Job::default();
+    job.rig(&Rig::QVGA);
+    job.count(index);
+    let costs = cost_of_frames(firmware, "formats", job, &scenes::two_bars_in(format)?)?;
+    Ok(figures_of_rows(&costs))
+}
+
+fn figures_of_rows(costs: &[FrameCost]) -> Measured {
+    let pixels = costs.len() as f64 * f64::from(Rig::QVGA.columns) * f64::from(Rig::QVGA.rows);
     let all: u64 = costs.iter().map(|cost| cost.all).sum();
-    Ok(vec![
-        ("instructions_per_pixel", all as f64 / pixels as f64),
+    vec![
+        ("instructions_per_pixel", all as f64 / pixels),
         ("instructions_per_row", most(costs.iter().map(|cost| cost.dearest))),
         ("stack_bytes", most(costs.iter().map(|cost| cost.stack))),
-    ])
+    ]
 }
 
 fn rows_worst(firmware: &Firmware, _: &str) -> Result<Measured> {
