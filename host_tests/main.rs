@@ -11,6 +11,7 @@ mod camera;
 mod camera_pipeline;
 mod clocks;
 mod clutter;
+mod continuity;
 mod coverage;
 mod drawn;
 mod endpoints;

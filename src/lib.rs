@@ -158,7 +158,7 @@ pub use scalar::Micro;
 #[cfg(feature = "fixed")]
 pub use scalar::Q32;
 pub use scalar::Scalar;
-pub use sequence::{Sequence, Vertical};
+pub use sequence::{Continuity, Sequence, Vertical};
 pub use setup::{
     Camera, Distortion, Intrinsics, Limits, MotionBlur, Ray, Readout, ReadoutDirection, Response, Setup, StampPolicy,
     Uncertainty,

@@ -54,7 +54,7 @@ impl<S: Scalar> Comparison<S> {
 
 /// How far along the row an observation lies from the prediction in pixels, and its change with bearing, inverse depth and
 /// tilt.
-fn deviation<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> Option<(S, [S; 3])> {
+pub(super) fn deviation<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> Option<(S, [S; 3])> {
     let residual = line3.residual(observation);
     let sensitivity = [residual.per_bearing, residual.per_inverse_depth, residual.per_tilt];
     Some((residual.px()?, sensitivity.map(|part| part / residual.per_px)))

@@ -107,7 +107,7 @@ impl<S: Scalar> Landmark<S> {
             self.parallel_lines = self.parallel_lines.saturating_add(1);
         }
         let gate = S::from_i32(GATE_SIGMAS * GATE_SIGMAS);
-        let sigma = hypot(comparison.sigma_middle_px, S::ratio(COLUMN_DECIPIXELS, 10));
+        let sigma = static_sigma(comparison.sigma_middle_px);
         let has_moved = distance > sigma * S::from_i32(STATIC_SIGMAS);
         // Where no edge is known yet, none can have moved.
         let fits = comparison.square <= gate && !(self.is_tentative && has_moved);
@@ -132,7 +132,7 @@ impl<S: Scalar> Landmark<S> {
         self.reach_px = (first.column_px - last.column_px).abs() * half + wander.max(S::from_i32(STRIP_PX));
     }
 
-    fn total(&self, setup: &Setup<S>) -> Covariance<S> {
+    pub(super) fn total(&self, setup: &Setup<S>) -> Covariance<S> {
         self.state.sensitivity.total(self.state.covariance, setup, self.state.line3.bearing)
     }
 
@@ -233,6 +233,11 @@ impl<S: Scalar> Landmark<S> {
         let extent = self.extent.propagated(&self.state.line3, transition)?;
         Some(Self { state: self.state.propagated(setup, transition)?, matched: None, extent, ..self })
     }
+}
+
+/// One sigma of how far a line may be from its prediction, in pixels: of both together.
+pub(super) fn static_sigma<S: Scalar>(predicted_px: S) -> S {
+    hypot(predicted_px, S::ratio(COLUMN_DECIPIXELS, 10))
 }
 
 /// Where a frame should show a place along an edge; beside the image, the nearest place in it.

@@ -6,7 +6,9 @@ mod vertical;
 mod line_observation;
 mod gate;
 mod landmark;
+mod continuity;
 mod sequence;
 
+pub use continuity::Continuity;
 pub use sequence::Sequence;
 pub use vertical::Vertical;

@@ -62,6 +62,11 @@ impl<S: Scalar> FrameTransition<S> {
         add(add(scale(x, dx), scale(y, dy)), scale(z, dz))
     }
 
+    /// A line as it lies in the axes of the later frame; `None` where it is beside or behind the camera.
+    pub(super) fn line(&self, line3: &Line3<S>) -> Option<Line3<S>> {
+        Propagated::of(line3, self).map(|propagated| propagated.line3)
+    }
+
     /// For an error that is correlated over about a second: which part of it is kept, and which is replaced by a new one.
     /// The squares add up to one.
     fn drift(&self) -> (S, S) {

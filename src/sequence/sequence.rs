@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::continuity::{Census, Continuity};
 use super::extent::Extent;
 use super::landmark::{Landmark, Match, is_informative, may_begin};
 use super::line_observation::LineObservation;
@@ -36,7 +37,7 @@ use crate::setup::Setup;
 /// *Room*: a landmark for each line of a frame that has a place in space, and a quarter more for edges that are hidden for a
 /// while. When the table is full, the landmark that has not been seen for longest goes first, a tentative one before all others.
 ///
-/// *Memory*: 208 bytes for each landmark in `f32`, and 32.
+/// *Memory*: 208 bytes for each landmark in `f32`, and 40.
 ///
 /// ```
 /// use shutter_range::{EdgePoint, Motion, Ranger, Sequence, Setup, Sigmas, Twist, Uncertainty};
@@ -72,6 +73,9 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     dropped_lines: u32,
     /// A frame has been taken since the last call of `advance`.
     has_frame: bool,
+    /// From the frame before to this one; zero at the start.
+    interval_s: S,
+    continuity: Continuity,
     /// Number of landmarks that earlier frames have shown; they are sorted by the columns where this frame should show them.
     known: usize,
     /// The farthest reach of any of them.
@@ -99,6 +103,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             next_id: 0,
             dropped_lines: 0,
             has_frame: false,
+            interval_s: S::ZERO,
+            continuity: Continuity::Steady,
             known: 0,
             reach_px: S::ZERO,
             lines: 0,
@@ -157,6 +163,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     ) -> Result<(), ParameterError> {
         let transition = FrameTransition { pose: *pose, elapsed_s, gravity: checked_direction(gravity)? };
         self.has_frame = false;
+        self.interval_s = elapsed_s;
         self.landmarks.retain_mut(|landmark| match landmark.propagated(setup, &transition) {
             Some(propagated) => {
                 *landmark = propagated;
@@ -181,6 +188,13 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// Forgets all edges, for when the motion to the next frame is not known. Their names are not used again.
     pub fn clear(&mut self) {
         self.landmarks.clear();
+        self.known = 0;
+    }
+
+    /// Whether the last frame has shown the known edges where they should be, or all of them off alike.
+    #[must_use]
+    pub const fn continuity(&self) -> Continuity {
+        self.continuity
     }
 
     /// Number of edges that are remembered.
@@ -224,6 +238,14 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
                 is_first_offer = false;
             }
         }
+        let known = self.landmarks.get(..self.known).unwrap_or_default();
+        let census = Census::of(setup, motion, known, self.interval_s, line_at);
+        self.continuity = if census.is_steady(self.lines) {
+            Continuity::Steady
+        } else {
+            self.clear();
+            Continuity::Restarted
+        };
     }
 
     /// The directions of down and lean in this frame, as the landmarks have them.

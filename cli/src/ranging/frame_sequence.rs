@@ -1,7 +1,9 @@
 //! [`FrameSequence`]: ranges of frame after frame, each on its own or all as one sequence.
 
 use anyhow::Result;
-use shutter_range::{FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Sequence, Setup};
+use shutter_range::{
+    Continuity, FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Sequence, Setup,
+};
 
 use super::camera_motion::{CameraMotion, MotionInFrame};
 use super::down::Down;
@@ -84,9 +86,23 @@ impl FrameSequence {
             posts: (0..ranges.len()).map(|index| Post::of(&ranges, index)).collect(),
             gravity: motion.gravity(),
             sigma_gravity_rad,
-            hint: unknown.or_else(|| report.suspicion(&self.setup).map(|suspicion| suspicion.to_string())),
+            hint: unknown
+                .or_else(|| self.discontinuity())
+                .or_else(|| report.suspicion(&self.setup).map(|suspicion| suspicion.to_string())),
             ranges,
         })
+    }
+
+    /// What to tell a person of a frame that does not follow on from those before it.
+    fn discontinuity(&self) -> Option<String> {
+        match self.sequence.as_ref()?.continuity() {
+            Continuity::Steady => None,
+            Continuity::Restarted => Some(
+                "the known edges are not where they should be: a frame is missing or came twice, or its time or motion is wrong; \
+                 they are forgotten, and each line stands for itself"
+                    .to_string(),
+            ),
+        }
     }
 
     fn ranges<M: Motion<f64>>(&mut self, motion: &M, lines: &[Line<KNOTS>]) -> Result<Vec<Range<f64>>> {

@@ -24,7 +24,7 @@ fn run() {
         let (mut all, mut most, mut dearest, mut lines) = (0, 0, 0, 0_u32);
         for row in 0..rows {
             job.bytes(pixels);
-            let (result, instructions) = counter.count(|| ranger.row(&setup, row, pixels));
+            let (result, instructions) = counter.count(|| ranger.row(&setup, row, &*pixels));
             result.expect("rows in order");
             all += instructions;
             if instructions > most {

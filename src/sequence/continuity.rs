@@ -1,0 +1,138 @@
+//! [`Continuity`]: whether a frame shows the known edges where and when it was told to. docs/model.md, section 8.9.
+
+use super::gate::deviation;
+use super::landmark::{Landmark, static_sigma};
+use super::line_observation::LineObservation;
+use super::propagation::FrameTransition;
+use crate::line::Line;
+use crate::motion::Motion;
+use crate::range::Line3;
+use crate::scalar::{Scalar, hypot};
+use crate::setup::Setup;
+
+/// How a frame goes on from those before it: whether all known edges are off alike.
+///
+/// A frame that was lost, came twice, or was taken earlier or later than told moves all edges along their ways by one time.
+/// So does a camera that suddenly moves faster or slower than told; edges at about one depth do not tell the two apart,
+/// nor from a turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Continuity {
+    /// Known edges are where they should be, or too few of them are seen to say more.
+    Steady,
+    /// They are off alike, or nearly none is where it should be: all are forgotten, and each line of this frame stands for
+    /// itself.
+    Restarted,
+}
+
+/// Edges that are asked; more tell it no better.
+const MOST_ASKED: usize = 32;
+/// Fewer edges tell nothing of all.
+const LEAST_ASKED: i32 = 4;
+/// Beyond so many sigma in common the edges are off alike.
+const ALIKE_SIGMAS: i32 = 5;
+/// A single edge counts for no more sigmas than this: one that moves does not speak for all.
+const MOST_SIGMAS_EACH: i32 = 3;
+/// Frames for which an edge may have been hidden.
+const MOST_HIDDEN: u16 = 2;
+
+/// What known edges say of a frame.
+pub(super) struct Census<S> {
+    asked: i32,
+    /// Where a static edge can be.
+    in_place: i32,
+    matched: i32,
+    /// How far they are along their ways, in sigmas of each, and which part of their variances they share.
+    sum: S,
+    shared: S,
+}
+
+impl<S: Scalar> Census<S> {
+    /// Asks edges of earlier frames about the lines that have been found for them; `interval_s` is the time since the frame
+    /// before.
+    pub(super) fn of<'l, M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        known: &[Landmark<S>],
+        interval_s: S,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
+    ) -> Self {
+        let mut census = Self { asked: 0, in_place: 0, matched: 0, sum: S::ZERO, shared: S::ZERO };
+        for landmark in asked(known) {
+            census.asked += 1;
+            let Some(matched) = landmark.matched else { continue };
+            census.in_place += i32::from(!matched.has_moved);
+            let line = line_at(matched.place as usize);
+            let seen = line.and_then(|line| LineObservation::new(setup, motion, &landmark.state.line3, line));
+            if let Some(off) = seen.and_then(|seen| Off::of(setup, motion, landmark, &seen, interval_s)) {
+                let most = S::from_i32(MOST_SIGMAS_EACH);
+                let sigma = hypot(off.sigma_px, off.shared_px);
+                let sigmas = (off.px / sigma).max(-most).min(most);
+                let part = off.shared_px / sigma;
+                census.matched += 1;
+                census.sum = census.sum + if off.per_s > S::ZERO { sigmas } else { -sigmas };
+                census.shared = census.shared + part * part;
+            }
+        }
+        census
+    }
+
+    /// Whether most edges of a frame of so many lines are where they should be, and not all off alike.
+    pub(super) fn is_steady(&self, lines: u16) -> bool {
+        // A frame that is empty, or nearly, says nothing.
+        if self.asked < LEAST_ASKED || 2 * i32::from(lines) < self.asked {
+            return true;
+        }
+        4 * self.in_place >= self.asked && !self.is_off_alike()
+    }
+
+    fn is_off_alike(&self) -> bool {
+        let number = S::from_i32(self.matched);
+        // N (1 - p) + N² p, with p the part that is shared.
+        let variance = number - self.shared + number * self.shared;
+        self.matched >= LEAST_ASKED && self.sum.abs() > variance.sqrt() * S::from_i32(ALIKE_SIGMAS)
+    }
+}
+
+/// Some of the edges that frames have shown lately, from all over the image.
+fn asked<S: Scalar>(known: &[Landmark<S>]) -> impl Iterator<Item = &Landmark<S>> {
+    let is_asked =
+        |landmark: &&Landmark<S>| !landmark.is_tentative && landmark.hold_off == 0 && landmark.missed <= MOST_HIDDEN;
+    let step = known.iter().filter(is_asked).count().div_ceil(MOST_ASKED).max(1);
+    known.iter().filter(is_asked).step_by(step)
+}
+
+/// How far a line lies from where its edge should be.
+struct Off<S> {
+    px: S,
+    /// How fast the edge moves along the row as time goes on, in pixels per second.
+    per_s: S,
+    /// One sigma of `px`: what is the edge's own, and what all edges have in common.
+    sigma_px: S,
+    shared_px: S,
+}
+
+impl<S: Scalar> Off<S> {
+    fn of<M: Motion<S>>(
+        setup: &Setup<S>,
+        motion: &M,
+        landmark: &Landmark<S>,
+        seen: &LineObservation<S>,
+        interval_s: S,
+    ) -> Option<Self> {
+        let state = &landmark.state;
+        let (px, sensitivity) = deviation(&state.line3, &seen.middle)?;
+        let own = state.covariance.variance_along(sensitivity).max(S::ZERO);
+        let all = landmark.total(setup).variance_along(sensitivity);
+        let step_s = interval_s * S::ratio(1, 4);
+        // Every edge is in front, even where its estimate is beyond infinity.
+        let before = Line3 { inverse_depth: state.line3.inverse_depth.abs(), ..state.line3 };
+        let transition = FrameTransition { pose: motion.pose(step_s), elapsed_s: step_s, gravity: state.line3.gravity };
+        let after = transition.line(&before)?;
+        let ((at_first, _), (at_last, _)) = (deviation(&before, &seen.middle)?, deviation(&after, &seen.middle)?);
+        let per_s = (at_first - at_last) / step_s;
+        let off = Self { px, per_s, sigma_px: static_sigma(own.sqrt()), shared_px: (all - own).max(S::ZERO).sqrt() };
+        let finite = [off.px, off.per_s, off.sigma_px, off.shared_px].into_iter().all(S::is_finite);
+        (finite && per_s != S::ZERO).then_some(off)
+    }
+}
