@@ -15,6 +15,9 @@ use crate::setup::Setup;
 /// A frame that was lost, came twice, or was taken earlier or later than told moves all edges along their ways by one time.
 /// So does a camera that suddenly moves faster or slower than told; edges at about one depth do not tell the two apart,
 /// nor from a turn.
+///
+/// In two frames time and depth are the same: a frame lost between the first two that show an edge is mostly noticed in the third,
+/// and what the second has told of it was wrong. Three frames that agree are sure of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Continuity<S> {
