@@ -235,7 +235,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     }
 
     /// The places of the lines that are ready.
-    pub(crate) fn places(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + Clone {
         self.tracker.ended()
     }
 

@@ -244,7 +244,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Places of the lines that have ended; [`Tracker::next_line`] takes the last one.
-    pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = usize> {
+    pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = usize> + Clone {
         self.ended.iter().map(|place| usize::from(*place))
     }
 

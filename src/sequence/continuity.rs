@@ -15,20 +15,33 @@ use crate::setup::Setup;
 /// A frame that was lost, came twice, or was taken earlier or later than told moves all edges along their ways by one time.
 /// So does a camera that suddenly moves faster or slower than told; edges at about one depth do not tell the two apart,
 /// nor from a turn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+///
+/// In two frames time and depth are the same: a frame lost between the first two that show an edge is mostly noticed in the third,
+/// and what the second has told of it was wrong. Three frames that agree are sure of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Continuity {
+pub enum Continuity<S> {
     /// Known edges are where they should be, or too few of them are seen to say more.
     Steady,
-    /// They are off alike, or nearly none is where it should be: all are forgotten, and each line of this frame stands for
-    /// itself.
+    /// They are off by one time: the frame was taken so much later than told, or earlier if negative. What is known has been
+    /// moved on accordingly.
+    Shifted {
+        /// Seconds to add to the time since the frame before: a whole interval after a lost frame.
+        seconds: S,
+        /// One standard deviation of it.
+        sigma_s: S,
+    },
+    /// They show what the frame before has shown: it came twice, or the camera stood still. Nothing was learned from it.
+    Repeated,
+    /// They are off alike, or nearly none is where it should be, and no one time tells why: all are forgotten, and each line
+    /// of this frame stands for itself.
     Restarted,
 }
 
 /// Edges that are asked; more tell it no better.
-const MOST_ASKED: usize = 32;
+pub(super) const MOST_ASKED: usize = 32;
 /// Fewer edges tell nothing of all.
-const LEAST_ASKED: i32 = 4;
+pub(super) const LEAST_ASKED: i32 = 4;
 /// Beyond so many sigma in common the edges are off alike.
 const ALIKE_SIGMAS: i32 = 5;
 /// A single edge counts for no more sigmas than this: one that moves does not speak for all.
@@ -95,7 +108,7 @@ impl<S: Scalar> Census<S> {
 }
 
 /// Some of the edges that frames have shown lately, from all over the image.
-fn asked<S: Scalar>(known: &[Landmark<S>]) -> impl Iterator<Item = &Landmark<S>> {
+pub(super) fn asked<S: Scalar>(known: &[Landmark<S>]) -> impl Iterator<Item = &Landmark<S>> {
     let is_asked =
         |landmark: &&Landmark<S>| !landmark.is_tentative && landmark.hold_off == 0 && landmark.missed <= MOST_HIDDEN;
     let step = known.iter().filter(is_asked).count().div_ceil(MOST_ASKED).max(1);
@@ -127,7 +140,12 @@ impl<S: Scalar> Off<S> {
         let step_s = interval_s * S::ratio(1, 4);
         // Every edge is in front, even where its estimate is beyond infinity.
         let before = Line3 { inverse_depth: state.line3.inverse_depth.abs(), ..state.line3 };
-        let transition = FrameTransition { pose: motion.pose(step_s), elapsed_s: step_s, gravity: state.line3.gravity };
+        let transition = FrameTransition {
+            pose: motion.pose(step_s),
+            elapsed_s: step_s,
+            sigma_time_s: S::ZERO,
+            gravity: state.line3.gravity,
+        };
         let after = transition.line(&before)?;
         let ((at_first, _), (at_last, _)) = (deviation(&before, &seen.middle)?, deviation(&after, &seen.middle)?);
         let per_s = (at_first - at_last) / step_s;

@@ -98,7 +98,7 @@ impl<S: Scalar> Landmark<S> {
         observation: &LineObservation<S>,
         is_first_offer: bool,
     ) -> Option<Match<S>> {
-        if self.polarity != observation.polarity || !self.extent.is_same_part(&self.extent_of(observation)?) {
+        if !self.may_show(observation) {
             return None;
         }
         let comparison = Comparison::of(&self.state.line3, &self.total(setup), observation)?;
@@ -112,6 +112,11 @@ impl<S: Scalar> Landmark<S> {
         // Where no edge is known yet, none can have moved.
         let fits = comparison.square <= gate && !(self.is_tentative && has_moved);
         fits.then_some(Match { place, cost: comparison.cost, band_px: distance.max(sigma), has_moved })
+    }
+
+    /// Whether a line can be one of this edge, wherever in the row it lies.
+    pub(super) fn may_show(&self, line: &LineObservation<S>) -> bool {
+        self.polarity == line.polarity && self.extent_of(line).is_some_and(|extent| self.extent.is_same_part(&extent))
     }
 
     /// Prepares for the lines of a frame: where it should show the edge.

@@ -7,6 +7,7 @@ mod line_observation;
 mod gate;
 mod landmark;
 mod continuity;
+mod time_shift;
 mod sequence;
 
 pub use continuity::Continuity;

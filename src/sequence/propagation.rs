@@ -25,9 +25,9 @@ impl<S: Scalar> LineState<S> {
         let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
         let drift_px = uncertainty.edge_roughness_px * S::from_i32(DRIFT_PER_ROUGHNESS);
         covariance = covariance.and([drift_px / setup.camera().intrinsics().fx, S::ZERO, S::ZERO]);
-        if uncertainty.sigma_time_s > S::ZERO {
+        if transition.sigma_time_s > S::ZERO {
             let per_second = propagated_line.change_with_time(&self.line3, transition);
-            covariance = covariance.and(scale(per_second, uncertainty.sigma_time_s));
+            covariance = covariance.and(scale(per_second, transition.sigma_time_s));
         }
         // A part of what a drifting error has done so far is independent of its present value.
         let (kept, lost) = transition.drift();
@@ -50,6 +50,8 @@ pub(crate) struct FrameTransition<S> {
     /// Pose of the camera at the later frame's start, in the axes of the earlier one.
     pub(crate) pose: Pose<S>,
     pub(crate) elapsed_s: S,
+    /// One sigma of `elapsed_s`.
+    pub(crate) sigma_time_s: S,
     /// Down, in the axes of the later frame's start.
     pub(crate) gravity: [S; 3],
 }

@@ -7,6 +7,7 @@ use super::extent::Extent;
 use super::landmark::{Landmark, Match, is_informative, may_begin};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::time_shift::{TimeShift, Vote};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
@@ -75,7 +76,7 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     has_frame: bool,
     /// From the frame before to this one; zero at the start.
     interval_s: S,
-    continuity: Continuity,
+    continuity: Continuity<S>,
     /// Number of landmarks that earlier frames have shown; they are sorted by the columns where this frame should show them.
     known: usize,
     /// The farthest reach of any of them.
@@ -116,8 +117,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// its table needs room for all lines of a frame. Call [`advance`](Self::advance) between two frames; without it, the
     /// edges of earlier frames are forgotten.
     ///
+    /// A frame that shows all known edges off alike is told by [`continuity`](Self::continuity): they are moved on by the time
+    /// that it was late, or forgotten where that cannot be told.
+    ///
     /// *Cost*: for each landmark a prediction; for each line one fit as in [`Range::from_line`] or two, and a comparison with each
-    /// landmark of its polarity that is predicted within its reach: four sigma, at least 32 pixels.
+    /// landmark of its polarity that is predicted within its reach: four sigma, at least 32 pixels. For at most 32 landmarks
+    /// another comparison; only in a frame that does not follow on, these with all lines, and all predictions again.
     pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -161,17 +166,22 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         elapsed_s: S,
         gravity: [S; 3],
     ) -> Result<(), ParameterError> {
-        let transition = FrameTransition { pose: *pose, elapsed_s, gravity: checked_direction(gravity)? };
+        let sigma_time_s = setup.uncertainty().sigma_time_s;
+        let transition = FrameTransition { pose: *pose, elapsed_s, sigma_time_s, gravity: checked_direction(gravity)? };
         self.has_frame = false;
         self.interval_s = elapsed_s;
-        self.landmarks.retain_mut(|landmark| match landmark.propagated(setup, &transition) {
+        self.propagate(setup, &transition);
+        Ok(())
+    }
+
+    fn propagate(&mut self, setup: &Setup<S>, transition: &FrameTransition<S>) {
+        self.landmarks.retain_mut(|landmark| match landmark.propagated(setup, transition) {
             Some(propagated) => {
                 *landmark = propagated;
                 true
             }
             None => false,
         });
-        Ok(())
     }
 
     /// Learns the vertical from the edges that several frames have shown, and takes it over for all of them: what their lines
@@ -193,7 +203,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
 
     /// Whether the last frame has shown the known edges where they should be, or all of them off alike.
     #[must_use]
-    pub const fn continuity(&self) -> Continuity {
+    pub const fn continuity(&self) -> Continuity<S> {
         self.continuity
     }
 
@@ -209,13 +219,13 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.dropped_lines
     }
 
-    /// Associates each line with at most one landmark, and each landmark with at most one line: a landmark keeps the likeliest
-    /// of the lines that are offered to it, and a line that is turned down is offered to the next one.
+    /// Associates the lines of a frame with the landmarks, which are moved on where the frame was taken at another time than
+    /// told.
     fn associate<'l, M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
-        places: impl Iterator<Item = usize>,
+        places: impl Iterator<Item = usize> + Clone,
         line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) {
         // Nobody has said how the camera moved since the last frame.
@@ -223,13 +233,58 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             self.clear();
         }
         self.has_frame = true;
+        self.lines = u16::try_from(places.clone().count()).unwrap_or(u16::MAX);
+        self.match_lines(setup, motion, places.clone(), &line_at);
+        self.continuity = Continuity::Steady;
+        if self.is_steady(setup, motion, &line_at) {
+            return;
+        }
+        let axes = self.axes(motion);
+        let known = self.landmarks.get(..self.known).unwrap_or_default();
+        let lines = || places.clone().filter_map(|place| LineObservation::new(setup, motion, &axes, line_at(place)?));
+        let shift = Vote::new(setup, motion, known, self.interval_s).shift(lines);
+        self.continuity = shift.map_or(Continuity::Restarted, |shift| self.follow(setup, motion, &shift));
+        self.match_lines(setup, motion, places, &line_at);
+        if self.continuity == Continuity::Restarted || !self.is_steady(setup, motion, &line_at) {
+            self.clear();
+            self.continuity = Continuity::Restarted;
+        }
+    }
+
+    fn is_steady<'l, M: Motion<S>, const KNOTS: usize>(
+        &self,
+        setup: &Setup<S>,
+        motion: &M,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
+    ) -> bool {
+        let known = self.landmarks.get(..self.known).unwrap_or_default();
+        Census::of(setup, motion, known, self.interval_s, line_at).is_steady(self.lines)
+    }
+
+    /// Moves all landmarks on to the time at which a frame was really taken.
+    fn follow<M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M, shift: &TimeShift<S>) -> Continuity<S> {
+        let (seconds, sigma_s) = (shift.intervals * self.interval_s, shift.sigma * self.interval_s.abs());
+        let gravity = self.axes(motion).gravity;
+        let transition =
+            FrameTransition { pose: motion.pose(seconds), elapsed_s: seconds, sigma_time_s: sigma_s, gravity };
+        self.propagate(setup, &transition);
+        if shift.is_repetition() { Continuity::Repeated } else { Continuity::Shifted { seconds, sigma_s } }
+    }
+
+    /// Associates each line with at most one landmark, and each landmark with at most one line: a landmark keeps the likeliest
+    /// of the lines that are offered to it, and a line that is turned down is offered to the next one.
+    fn match_lines<'l, M: Motion<S>, const KNOTS: usize>(
+        &mut self,
+        setup: &Setup<S>,
+        motion: &M,
+        places: impl Iterator<Item = usize>,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
+    ) {
         self.landmarks.iter_mut().for_each(|landmark| landmark.predict(setup, motion));
         self.known = sort_by_column(&mut self.landmarks);
         self.reach_px = self.landmarks.iter().map(|landmark| landmark.reach_px).fold(S::ZERO, S::max);
-        self.lines = 0;
         let axes = self.axes(motion);
         for place in places {
-            self.lines = self.lines.saturating_add(1);
             let (mut asking, mut is_first_offer) = (u32::try_from(place).ok(), true);
             while let Some(place) = asking {
                 let line = line_at(place as usize);
@@ -238,14 +293,6 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
                 is_first_offer = false;
             }
         }
-        let known = self.landmarks.get(..self.known).unwrap_or_default();
-        let census = Census::of(setup, motion, known, self.interval_s, line_at);
-        self.continuity = if census.is_steady(self.lines) {
-            Continuity::Steady
-        } else {
-            self.clear();
-            Continuity::Restarted
-        };
     }
 
     /// The directions of down and lean in this frame, as the landmarks have them.
@@ -309,10 +356,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         };
         let own = self.around(observation.columns_px).find(has_line).map(|landmark| *landmark);
         let blend = self.blend(setup, motion, line, &observation, own.as_ref());
+        let is_repeated = self.continuity == Continuity::Repeated;
         let Some(landmark) = self.around(observation.columns_px).find(has_line) else {
             return self.begin(setup, motion, line, &observation, blend);
         };
-        let range = if blend.is_whole {
+        let range = if blend.is_whole || is_repeated {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
             landmark.update(setup, motion, line, blend.samples)

@@ -97,6 +97,17 @@ impl FrameSequence {
     fn discontinuity(&self) -> Option<String> {
         match self.sequence.as_ref()?.continuity() {
             Continuity::Steady => None,
+            Continuity::Shifted { seconds, sigma_s } => Some(format!(
+                "the known edges say that the frame was taken {:.2} ± {:.2} ms {} than told, and are moved on by that time: was a \
+                 frame lost, or its time or the speed wrong?",
+                seconds.abs() * 1e3,
+                2.0 * sigma_s * 1e3,
+                if seconds < 0.0 { "earlier" } else { "later" },
+            )),
+            Continuity::Repeated => Some(
+                "the frame shows what the one before has shown: it came twice, or the camera stood still; nothing is learned from it"
+                    .to_string(),
+            ),
             Continuity::Restarted => Some(
                 "the known edges are not where they should be: a frame is missing or came twice, or its time or motion is wrong; \
                  they are forgotten, and each line stands for itself"
