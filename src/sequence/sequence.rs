@@ -38,7 +38,7 @@ use crate::setup::Setup;
 /// *Room*: a landmark for each line of a frame that has a place in space, and a quarter more for edges that are hidden for a
 /// while. When the table is full, the landmark that has not been seen for longest goes first, a tentative one before all others.
 ///
-/// *Memory*: 208 bytes for each landmark in `f32`, and 40.
+/// *Memory*: 208 bytes for each landmark in `f32`, and 48.
 ///
 /// ```
 /// use shutter_range::{EdgePoint, Motion, Ranger, Sequence, Setup, Sigmas, Twist, Uncertainty};
