@@ -17,7 +17,7 @@
 //! let (mut first, mut second) = ([0; 320], [0; 320]);
 //! let mut queue = RowQueue::<&mut [u8; 320], 4>::new();
 //! let (mut sender, mut receiver) = queue.split();
-//! receiver.give_back(&mut second)?; // the spare one
+//! receiver.give_back(&mut second).expect("room"); // the spare one
 //!
 //! // In the interrupt, at the end of the transfer into the first buffer:
 //! let mut filling = &mut first;
@@ -27,8 +27,7 @@
 //! // In the main loop:
 //! let row = receiver.next().expect("a row");
 //! assert_eq!((row.frame, row.row, row.content[7]), (0, 0, 200));
-//! receiver.give_back(row.content)?;
-//! # Ok::<(), &mut [u8; 320]>(())
+//! receiver.give_back(row.content).expect("room");
 //! ```
 
 use heapless::spsc::{Consumer, Producer, Queue};

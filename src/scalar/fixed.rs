@@ -18,7 +18,8 @@ use super::scalar::{Scalar, sealed};
 /// use fixed::types::I32F32;
 /// use shutter_range::Q32;
 /// let focal_px = Q32::from(I32F32::lit("612.5"));
-/// assert_eq!((focal_px / focal_px + focal_px).to_fixed(), I32F32::lit("613.5"));
+/// let sum = (focal_px / focal_px + focal_px).to_fixed();
+/// assert!(sum.abs_diff(I32F32::lit("613.5")) < 613.5 * 4e-9);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
