@@ -18,6 +18,13 @@ pub(crate) type Frame = Vec<[u8; COLUMNS]>;
 /// As large as on a desktop.
 pub(crate) type LargeRanger = Ranger<256, 64, 2048>;
 
+/// On the heap. Not inlined: the copy on the stack would be in the frame of each caller for good, and a test's thread has
+/// 2 MiB.
+#[inline(never)]
+pub(crate) fn large_ranger() -> Box<LargeRanger> {
+    Box::new(LargeRanger::new())
+}
+
 /// What kind of posts stand there, and how they are seen.
 #[derive(Clone, Copy)]
 pub(crate) struct Kind {

@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture};
 use shutter_range::{MotionBlur, Range, RangeStatus, Response, Setup};
 
-use crate::drawn::{Frame, LargeRanger, ranges, rendered, through};
+use crate::drawn::{Frame, large_ranger, ranges, rendered, through};
 use crate::projection;
 use crate::scenes::{TENTH_DEGREE, tilt_of};
 
@@ -99,7 +99,7 @@ impl Shot {
 
 /// False distances a frame, with linear pixels stated and with nothing stated, at most.
 fn assert_hardly_any(name: &str, draw: Draw) {
-    let mut ranger = Box::new(LargeRanger::new());
+    let mut ranger = large_ranger();
     let mut counts = [0, 0];
     for seed in 0..FRAMES {
         let shot = Shot::new(draw, seed);

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 use shutter_range::sim::{Stage, ToneCurve};
 use shutter_range::{MotionBlur, RangeStatus, Response, Setup, Uncertainty};
 
-use crate::drawn::{COLUMNS, Frame, Kind, LargeRanger, Shot};
+use crate::drawn::{COLUMNS, Frame, Kind, Shot, large_ranger};
 use crate::scenes::TENTH_DEGREE;
 use crate::score::{Asked, Outcome, Score, rms};
 
@@ -28,7 +28,7 @@ fn score(shots: &[Shot], frame: impl Fn(&Shot) -> Frame, setup: impl Fn(&Shot) -
 }
 
 fn score_of(shots: &[Shot], frames: &[Frame], setup: impl Fn(&Shot) -> Setup<f64>) -> Score {
-    let mut ranger = Box::new(LargeRanger::new());
+    let mut ranger = large_ranger();
     let mut score = Score::default();
     for (shot, frame) in shots.iter().zip(frames) {
         score.add(shot, &shot.ranges(&mut ranger, &setup(shot), frame));
@@ -316,7 +316,7 @@ fn long_blur() {
 /// Some rows are lost and the rest of the frame moves up, with nobody telling: an edge that is given a distance has the
 /// right one, whichever part of it was seen, or is refused; a tilt of 0.
 fn assert_lost_rows_do_no_harm(lost: usize) {
-    let mut ranger = Box::new(LargeRanger::new());
+    let mut ranger = large_ranger();
     let (mut inside, mut outside) = (0, Vec::new());
     for (index, shot) in shots(&Kind::STRAIGHT, FRAMES).iter().enumerate() {
         let at = 120 + 4 * index;

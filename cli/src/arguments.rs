@@ -6,6 +6,10 @@ use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use shutter_range::format::PixelFormat;
 
+use crate::argument_values::{
+    above_zero, contrast, frequency, frequency_sigma, html_path, interval, interval_of_a_sequence, megahertz, png_path,
+    roll, svg_path,
+};
 use crate::help;
 use crate::input::camera_file::CameraSource;
 use crate::input::raw_frame::RawFrame;
@@ -323,65 +327,6 @@ pub(crate) struct SimulateArgs {
     /// s, or the readout time of the frame if that is longer
     #[arg(long, value_name = "SECONDS", value_parser = interval, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
-}
-
-fn within(text: &str, least: f64, most: f64, expected: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number| (least..=most).contains(number));
-    number.ok_or_else(|| format!("it must be {expected}"))
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    within(text, f64::MIN_POSITIVE, f64::MAX, "a finite number above 0")
-}
-
-fn frequency(text: &str) -> Result<f64, String> {
-    within(text, 1.0, 100_000.0, "a number from 1 to 100000 (Hz)")
-}
-
-fn frequency_sigma(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 100_000.0, "a number from 0 to 100000 (Hz)")
-}
-
-fn roll(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 45.0, "a number from 0 to 45 (degrees)")
-}
-
-fn contrast(text: &str) -> Result<f64, String> {
-    within(text, 1.0, 230.0, "a number from 1 to 230 (grey levels)")
-}
-
-fn svg_path(text: &str) -> Result<PathBuf, String> {
-    path_ending_in("svg", text)
-}
-
-fn png_path(text: &str) -> Result<PathBuf, String> {
-    path_ending_in("png", text)
-}
-
-fn html_path(text: &str) -> Result<PathBuf, String> {
-    path_ending_in("html", text)
-}
-
-fn path_ending_in(ending: &str, text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let ends = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
-    if ends { Ok(path) } else { Err(format!("it must end in .{ending}")) }
-}
-
-fn megahertz(text: &str) -> Result<f64, String> {
-    let megahertz = text.parse().ok().filter(|megahertz| (1.0..=100.0).contains(megahertz));
-    megahertz.ok_or_else(|| "it must be a number from 1 to 100 (MHz)".to_string())
-}
-
-fn interval(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
-    seconds.ok_or_else(|| "it must be a number from 0 to 3600 (seconds)".to_string())
-}
-
-/// Unlike simulated frames, those of a sequence cannot be of the same instant.
-fn interval_of_a_sequence(text: &str) -> Result<f64, String> {
-    let seconds = interval(text).ok().filter(|seconds| *seconds > 0.0);
-    seconds.ok_or_else(|| "it must be a number above 0, at most 3600 (seconds)".to_string())
 }
 
 /// Ends the program as clap does for a wrong command line: for arguments that are wrong only together.

@@ -2,6 +2,7 @@
 
 mod input;
 mod help;
+mod argument_values;
 mod arguments;
 mod ranging;
 mod inspection;

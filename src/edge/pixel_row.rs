@@ -98,6 +98,8 @@ impl<P: Pixels> PixelRow<'_, P> {
 
 /// The whole grey levels of a stretch of a row: those bytes themselves where it is grey, else in the buffer. What lies beyond
 /// the row is left out; the buffer is large enough.
+// Inlined, so that a grey row has no buffer to clear.
+#[inline(always)]
 pub(super) fn grey<'b, P: Pixels, const N: usize>(
     pixels: &'b P,
     columns: Range<usize>,

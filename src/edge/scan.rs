@@ -133,15 +133,16 @@ impl Scanner {
         // Some four pairs a row are plenty, others in each row.
         let every = if self.rows == 0 { 1 } else { (pixels.columns() / (8 * BLOCK)).max(2) };
         let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
-        let starts =
-            || (first * PAIR..).step_by((every * PAIR).max(PAIR)).take_while(|at| at + PAIR <= pixels.columns());
+        let is_mosaic = pixels.mosaic_row().is_some();
+        let starts = (first * PAIR..).step_by((every * PAIR).max(PAIR));
+        let middles = || starts.clone().take_while(|at| at + PAIR <= pixels.columns()).map(|at| middle(pixels, at));
         if self.rows == 0 {
-            self.second_q8 = usual_size(|| starts().map(|at| second_difference(pixels, at)));
-            self.difference_q8 = usual_size(|| starts().map(|at| sliding_difference(pixels, at)));
+            self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
+            self.difference_q8 = usual_size(|| middles().map(sliding_difference));
         }
-        for at in starts() {
-            approach(&mut self.second_q8, second_difference(pixels, at));
-            approach(&mut self.difference_q8, sliding_difference(pixels, at));
+        for pixels in middles() {
+            approach(&mut self.second_q8, second_difference(pixels, is_mosaic));
+            approach(&mut self.difference_q8, sliding_difference(pixels));
         }
         self.rows = self.rows.wrapping_add(1);
     }
@@ -162,20 +163,22 @@ fn sum(pixels: &[u8]) -> i32 {
     pixels.iter().map(|pixel| i32::from(*pixel)).sum()
 }
 
-/// Second difference of three pixels of one colour in the middle of a pair of blocks: its sigma is √6 times the noise.
-fn second_difference(pixels: &impl Pixels, pair: usize) -> u32 {
-    let apart = if pixels.mosaic_row().is_some() { 2 } else { 1 };
+/// The pixels around the middle of a pair of blocks, which the row has.
+fn middle(pixels: &impl Pixels, pair: usize) -> [u8; 2 * WINDOW] {
     let (mut buffer, middle) = ([0; 2 * WINDOW], pair + BLOCK);
-    let levels = grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer);
-    let at = |index| levels.get(index).map_or(0, |pixel: &u8| i32::from(*pixel));
-    (at(WINDOW - apart) - 2 * at(WINDOW) + at(WINDOW + apart)).unsigned_abs()
+    grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer).first_chunk().copied().unwrap_or_default()
 }
 
-fn sliding_difference(pixels: &impl Pixels, pair: usize) -> u32 {
-    let (mut buffer, middle) = ([0; 2 * WINDOW], pair + BLOCK);
-    let levels = grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer);
-    let (left, right) = levels.split_at(WINDOW.min(levels.len()));
-    (sum(right) - sum(left)).unsigned_abs()
+/// Second difference of three pixels of one colour: its sigma is √6 times the noise.
+fn second_difference(pixels: [u8; 2 * WINDOW], is_mosaic: bool) -> u32 {
+    let [_, _, second, first, centre, third, fourth, _] = pixels.map(i32::from);
+    let ends = if is_mosaic { second + fourth } else { first + third };
+    (ends - 2 * centre).unsigned_abs()
+}
+
+fn sliding_difference(pixels: [u8; 2 * WINDOW]) -> u32 {
+    let [a, b, c, d, e, f, g, h] = pixels.map(i32::from);
+    (e + f + g + h - (a + b + c + d)).unsigned_abs()
 }
 
 /// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.

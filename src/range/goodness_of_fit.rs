@@ -1,5 +1,6 @@
 //! [`GoodnessOfFit`]: the residuals of a line against the stated noise. docs/model.md, section 3.9.
 
+use super::tuning::MOST_SIGMAS;
 use crate::scalar::Scalar;
 
 /// How well a straight line fits.
@@ -9,9 +10,6 @@ pub(crate) struct GoodnessOfFit<S> {
     /// Largest residual in pixels.
     pub(crate) departure_px: S,
 }
-
-/// Larger deviations leave fixed point no room for their squares.
-const MOST_SIGMAS: i32 = 1_000;
 
 /// Two degrees of freedom are spent on bearing and inverse depth.
 const SPENT: i32 = 2;

@@ -4,6 +4,22 @@
 /// sixteen rows as good as one independent value (`cargo test real_edges`).
 pub(super) const ROUGHNESS_ROWS: i32 = 16;
 
+/// A wander that is alike over more than this share of an edge passes for its place and slope (`cargo test real_cameras`).
+pub(super) const LONGEST_WANDER: (i32, i32) = (2, 5);
+
+/// Modes of the residuals that tell how much the edge wanders: fewer tell it badly, and of a slow wander higher ones show
+/// nothing (`cargo test wander`).
+pub(super) const WANDER_MODES: usize = 6;
+
+/// Beyond so many sigmas of chance the stated noise is too small (`cargo test white_noise_stays_white_noise`).
+pub(super) const NOISY_SIGMAS: i32 = 4;
+
+/// Beyond so many, an edge that is said to be straight wanders (`cargo test wander`).
+pub(super) const WANDERING_SIGMAS: i32 = 2;
+
+/// A deviation of more sigmas counts as so many: squares of larger ones would leave single precision no room for the others.
+pub(super) const MOST_SIGMAS: i32 = 1_000;
+
 /// A round that moves the estimate by less than this part of a sigma is the last: 1/50. The next one would move it by the
 /// square of that (`cargo test least_squares` allows 1/100).
 pub(super) const SETTLED_PART: i32 = 50;

@@ -5,28 +5,14 @@ use heapless::Vec;
 use super::goodness_of_fit::chance_limit;
 use super::modes::Modes;
 use super::sample::Sample;
-use super::tuning::ROUGHNESS_ROWS;
+use super::tuning::{LONGEST_WANDER, MOST_SIGMAS, NOISY_SIGMAS, ROUGHNESS_ROWS, WANDER_MODES, WANDERING_SIGMAS};
 use crate::scalar::{Scalar, hypot};
 use crate::setup::Readout;
 
 const PS_PER_S: i64 = 1_000_000_000_000;
 
-/// A wander that is alike over more than this share of an edge passes for its place and slope.
-const LONGEST: (i32, i32) = (2, 5);
-
-/// Modes of the residuals that tell how much the edge wanders: fewer tell it badly, and of a slow wander higher ones show
-/// nothing.
-const MODES: usize = 6;
-
 /// Bearing and inverse depth, which the residuals do not show.
 const SPENT: usize = 2;
-
-/// Beyond so many sigmas the stated noise is too small, and an edge that is said to be straight wanders.
-const NOISY_SIGMAS: i32 = 4;
-const WANDERING_SIGMAS: i32 = 2;
-
-/// Larger deviations leave fixed point no room for their squares.
-const MOST_SIGMAS: i32 = 1_000;
 
 /// The part of an edge that a sample is the mean of.
 #[derive(Clone, Copy)]
@@ -98,7 +84,7 @@ impl<S: Scalar> Wander<S> {
         let moved_px = (last.column_px - first.column_px).abs();
         // A Gaussian's correlation with itself has an integral of 2√π of its sigmas.
         let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
-        let longest = extent * S::ratio(LONGEST.0, LONGEST.1);
+        let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
         let alike_rows = crossing_rows.min(longest).max(S::from_i32(ROUGHNESS_ROWS));
         let kernel = Kernel::new(residuals, alike_rows);
         let shown = Shown::of(residuals, &kernel);
@@ -181,7 +167,7 @@ struct Shown<S> {
 impl<S: Scalar> Shown<S> {
     fn of<const N: usize>(residuals: &Vec<Residual<S>, N>, kernel: &Kernel<S, N>) -> Self {
         let none = S::ZERO;
-        let modes = residuals.len().saturating_sub(SPENT + SPENT).min(MODES);
+        let modes = residuals.len().saturating_sub(SPENT + SPENT).min(WANDER_MODES);
         let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise: none, of_wander: none, modes };
         let cap = S::from_i32(MOST_SIGMAS);
         let deviations = || residuals.iter().map(|residual| residual.deviation.min(cap).max(-cap));

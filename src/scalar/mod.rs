@@ -12,6 +12,8 @@
 mod scalar;
 mod vector;
 #[cfg(feature = "fixed")]
+mod mantissa;
+#[cfg(feature = "fixed")]
 mod fixed;
 #[cfg(feature = "libm")]
 mod libm;

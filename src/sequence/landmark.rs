@@ -212,7 +212,7 @@ impl<S: Scalar> Landmark<S> {
         is_measured.then(|| EdgePlane::of_edge(&self.state.line3, hypot(sigma_tilt, lean), to - from))
     }
 
-    /// The same edge with another belief of where down is: its line in the image stays, and so does the depth in the middle of
+    /// The same edge with another estimate of the vertical: its line in the image stays, and so does the depth in the middle of
     /// what was seen. `None` where that is beside the camera.
     pub(crate) fn with_gravity(self, gravity: [S; 3]) -> Option<Self> {
         let line3 = self.state.line3;

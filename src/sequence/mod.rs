@@ -6,6 +6,7 @@ mod vertical;
 mod line_observation;
 mod gate;
 mod landmark;
+mod landmark_table;
 mod continuity;
 mod time_shift;
 mod sequence;

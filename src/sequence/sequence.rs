@@ -1,10 +1,9 @@
 //! [`Sequence`]: edges that are continued from frame to frame.
 
-use heapless::Vec;
-
 use super::continuity::{Census, Continuity};
 use super::extent::Extent;
-use super::landmark::{Landmark, Match, is_informative, may_begin};
+use super::landmark::{Landmark, is_informative, may_begin};
+use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::time_shift::{TimeShift, Vote};
@@ -12,7 +11,7 @@ use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, checked_direction};
-use crate::range::{Line3, Observer, Range, RangeStatus, RowPlane, SampleSet};
+use crate::range::{Observer, Range, RangeStatus, RowPlane, SampleSet};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -69,7 +68,7 @@ use crate::setup::Setup;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sequence<S, const LANDMARKS: usize> {
-    landmarks: Vec<Landmark<S>, LANDMARKS>,
+    landmarks: LandmarkTable<S, LANDMARKS>,
     next_id: u32,
     dropped_lines: u32,
     /// A frame has been taken since the last call of `advance`.
@@ -77,22 +76,16 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     /// From the frame before to this one; zero at the start.
     interval_s: S,
     continuity: Continuity<S>,
-    /// Number of landmarks that earlier frames have shown; they are sorted by the columns where this frame should show them.
-    known: usize,
-    /// The farthest reach of any of them.
-    reach_px: S,
     /// Lines of this frame.
     lines: u16,
 }
 
-/// A landmark that is missed in more frames in a row is forgotten.
-const MOST_MISSED: u16 = 30;
 /// Fewer samples do not tell bearing, depth and tilt.
 const LEAST_SAMPLES: usize = 3;
 /// Two edges nearer than this shift each other's columns.
 const NEAR_PX: i32 = 8;
-/// Tentative edges of a frame that may come to be told although their lines agree by chance. The number is an upper bound: on
-/// real photographs ten times as many make less than one of fifty wrong.
+/// Tentative edges of a frame that may come to be told although their lines agree by chance: an upper bound, since most
+/// lines are those of edges.
 const CHANCE_EDGES: i32 = 1;
 
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
@@ -100,14 +93,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            landmarks: Vec::new(),
+            landmarks: LandmarkTable::new(),
             next_id: 0,
             dropped_lines: 0,
             has_frame: false,
             interval_s: S::ZERO,
             continuity: Continuity::Steady,
-            known: 0,
-            reach_px: S::ZERO,
             lines: 0,
         }
     }
@@ -134,7 +125,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         while let Some((place, line)) = ranger.next_placed_line() {
             found(self.continue_line(setup, motion, place, &line));
         }
-        self.count_missed();
+        self.landmarks.count_missed();
     }
 
     /// The same for lines from elsewhere, in their order. Call it once a frame, with all its lines.
@@ -149,7 +140,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         for (place, line) in lines.iter().enumerate() {
             found(self.continue_line(setup, motion, place, line));
         }
-        self.count_missed();
+        self.landmarks.count_missed();
     }
 
     /// Propagates to the next frame's start: the `pose` of the camera there in the axes of this frame's start, the time in
@@ -170,18 +161,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let transition = FrameTransition { pose: *pose, elapsed_s, sigma_time_s, gravity: checked_direction(gravity)? };
         self.has_frame = false;
         self.interval_s = elapsed_s;
-        self.propagate(setup, &transition);
+        self.landmarks.propagate(setup, &transition);
         Ok(())
-    }
-
-    fn propagate(&mut self, setup: &Setup<S>, transition: &FrameTransition<S>) {
-        self.landmarks.retain_mut(|landmark| match landmark.propagated(setup, transition) {
-            Some(propagated) => {
-                *landmark = propagated;
-                true
-            }
-            None => false,
-        });
     }
 
     /// Learns the vertical from the edges that several frames have shown, and takes it over for all of them: what their lines
@@ -192,13 +173,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let landmarks = &self.landmarks;
         vertical.learn(|| landmarks.iter().filter_map(|landmark| landmark.plane(setup)));
         let gravity = vertical.gravity();
-        self.landmarks.retain_mut(|landmark| landmark.with_gravity(gravity).map(|turned| *landmark = turned).is_some());
+        self.landmarks.replace_each(|landmark| landmark.with_gravity(gravity));
     }
 
     /// Forgets all edges, for when the motion to the next frame is not known. Their names are not used again.
     pub fn clear(&mut self) {
         self.landmarks.clear();
-        self.known = 0;
     }
 
     /// Whether the last frame has shown the known edges where they should be, or all of them off alike.
@@ -234,17 +214,17 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         }
         self.has_frame = true;
         self.lines = u16::try_from(places.clone().count()).unwrap_or(u16::MAX);
-        self.match_lines(setup, motion, places.clone(), &line_at);
+        self.landmarks.match_lines(setup, motion, places.clone(), &line_at);
         self.continuity = Continuity::Steady;
         if self.is_steady(setup, motion, &line_at) {
             return;
         }
-        let axes = self.axes(motion);
-        let known = self.landmarks.get(..self.known).unwrap_or_default();
+        let axes = self.landmarks.axes(motion);
+        let known = self.landmarks.known();
         let lines = || places.clone().filter_map(|place| LineObservation::new(setup, motion, &axes, line_at(place)?));
         let shift = Vote::new(setup, motion, known, self.interval_s).shift(lines);
         self.continuity = shift.map_or(Continuity::Restarted, |shift| self.follow(setup, motion, &shift));
-        self.match_lines(setup, motion, places, &line_at);
+        self.landmarks.match_lines(setup, motion, places, &line_at);
         if self.continuity == Continuity::Restarted || !self.is_steady(setup, motion, &line_at) {
             self.clear();
             self.continuity = Continuity::Restarted;
@@ -257,87 +237,18 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         motion: &M,
         line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) -> bool {
-        let known = self.landmarks.get(..self.known).unwrap_or_default();
+        let known = self.landmarks.known();
         Census::of(setup, motion, known, self.interval_s, line_at).is_steady(self.lines)
     }
 
     /// Moves all landmarks on to the time at which a frame was really taken.
     fn follow<M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M, shift: &TimeShift<S>) -> Continuity<S> {
         let (seconds, sigma_s) = (shift.intervals * self.interval_s, shift.sigma * self.interval_s.abs());
-        let gravity = self.axes(motion).gravity;
+        let gravity = self.landmarks.axes(motion).gravity;
         let transition =
             FrameTransition { pose: motion.pose(seconds), elapsed_s: seconds, sigma_time_s: sigma_s, gravity };
-        self.propagate(setup, &transition);
+        self.landmarks.propagate(setup, &transition);
         if shift.is_repetition() { Continuity::Repeated } else { Continuity::Shifted { seconds, sigma_s } }
-    }
-
-    /// Associates each line with at most one landmark, and each landmark with at most one line: a landmark keeps the likeliest
-    /// of the lines that are offered to it, and a line that is turned down is offered to the next one.
-    fn match_lines<'l, M: Motion<S>, const KNOTS: usize>(
-        &mut self,
-        setup: &Setup<S>,
-        motion: &M,
-        places: impl Iterator<Item = usize>,
-        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
-    ) {
-        self.landmarks.iter_mut().for_each(|landmark| landmark.predict(setup, motion));
-        self.known = sort_by_column(&mut self.landmarks);
-        self.reach_px = self.landmarks.iter().map(|landmark| landmark.reach_px).fold(S::ZERO, S::max);
-        let axes = self.axes(motion);
-        for place in places {
-            let (mut asking, mut is_first_offer) = (u32::try_from(place).ok(), true);
-            while let Some(place) = asking {
-                let line = line_at(place as usize);
-                let observation = line.and_then(|line| LineObservation::new(setup, motion, &axes, line));
-                asking = observation.and_then(|observation| self.offer(setup, place, &observation, is_first_offer));
-                is_first_offer = false;
-            }
-        }
-    }
-
-    /// The directions of down and lean in this frame, as the landmarks have them.
-    fn axes<M: Motion<S>>(&self, motion: &M) -> Line3<S> {
-        self.landmarks.first().map_or_else(|| Line3::start(motion.gravity()), |landmark| landmark.state.line3)
-    }
-
-    /// The landmarks of earlier frames that a line over these columns may belong to, or stand beside.
-    fn around(&mut self, columns_px: [S; 2]) -> impl Iterator<Item = &mut Landmark<S>> {
-        let [left, right] = columns_px;
-        let (from, to) = (left - self.reach_px, right + self.reach_px);
-        let known = self.landmarks.get_mut(..self.known).unwrap_or_default();
-        let first = known.partition_point(|landmark| landmark.column_px < from);
-        known.iter_mut().skip(first).take_while(move |landmark| landmark.column_px <= to).filter(move |landmark| {
-            landmark.column_px + landmark.reach_px >= left && landmark.column_px - landmark.reach_px <= right
-        })
-    }
-
-    /// A landmark without a line in this frame is hidden or gone.
-    fn count_missed(&mut self) {
-        for landmark in &mut self.landmarks {
-            landmark.missed = if landmark.matched.is_some() { 0 } else { landmark.missed.saturating_add(1) };
-        }
-        self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
-    }
-
-    /// Offers a line to the likeliest landmark that prefers it to its present one, and returns the place of the line that is
-    /// turned down.
-    fn offer(
-        &mut self,
-        setup: &Setup<S>,
-        place: u32,
-        observation: &LineObservation<S>,
-        is_first_offer: bool,
-    ) -> Option<u32> {
-        let mut best: Option<(&mut Landmark<S>, Match<S>)> = None;
-        for landmark in self.around(observation.columns_px) {
-            let Some(matched) = landmark.match_with(setup, place, observation, is_first_offer) else { continue };
-            let likelier = |other: &Match<S>| matched.cost < other.cost;
-            if landmark.matched.as_ref().is_none_or(likelier) && best.as_ref().is_none_or(|(_, best)| likelier(best)) {
-                best = Some((landmark, matched));
-            }
-        }
-        let (landmark, matched) = best?;
-        landmark.matched.replace(matched).map(|before| before.place)
     }
 
     fn continue_line<M: Motion<S>, const KNOTS: usize>(
@@ -348,16 +259,16 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let most_chance = S::ratio(CHANCE_EDGES, i32::from(self.lines.max(1)));
-        let Some(observation) = LineObservation::new(setup, motion, &self.axes(motion), line) else {
+        let Some(observation) = LineObservation::new(setup, motion, &self.landmarks.axes(motion), line) else {
             return Range::from_line(setup, motion, line);
         };
         let has_line = |landmark: &&mut Landmark<S>| {
             landmark.matched.is_some_and(|matched| u32::try_from(place).is_ok_and(|place| matched.place == place))
         };
-        let own = self.around(observation.columns_px).find(has_line).map(|landmark| *landmark);
+        let own = self.landmarks.around(observation.columns_px).find(has_line).map(|landmark| *landmark);
         let blend = self.blend(setup, motion, line, &observation, own.as_ref());
         let is_repeated = self.continuity == Continuity::Repeated;
-        let Some(landmark) = self.around(observation.columns_px).find(has_line) else {
+        let Some(landmark) = self.landmarks.around(observation.columns_px).find(has_line) else {
             return self.begin(setup, motion, line, &observation, blend);
         };
         let range = if blend.is_whole || is_repeated {
@@ -379,7 +290,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         own: Option<&Landmark<S>>,
     ) -> Blend {
         let near_px = S::from_i32(NEAR_PX);
-        let axes = self.axes(motion);
+        let axes = self.landmarks.axes(motion);
         let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         let mut blend = Blend::default();
         let mut left = 0;
@@ -394,7 +305,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
                 is_other && !landmark.is_tentative && landmark.is_near(&row, &seen, near_px)
             };
             let is_off = own.is_some_and(|own| own.is_off(setup, &seen));
-            if is_off || self.around(observation.columns_px).any(blends) {
+            if is_off || self.landmarks.around(observation.columns_px).any(blends) {
                 blend.samples.insert(place);
             } else {
                 left += 1;
@@ -427,26 +338,12 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let is_tentative = !is_informative(range.status)
             || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
         let landmark = Landmark::new(id, line.first().polarity, is_tentative, state, extent);
-        if self.landmarks.push(landmark).or_else(|landmark| self.replace_unseen(landmark)).is_err() {
+        if self.landmarks.insert(landmark).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
         }
         self.next_id = self.next_id.wrapping_add(1);
         if is_informative(range.status) { Range { line_id: Some(id), ..range } } else { range }
-    }
-
-    /// The table is full: replaces the landmark that has not been seen for longest, tentative ones first. One that this frame shows is never
-    /// replaced; if all are shown, the new one is refused.
-    fn replace_unseen(&mut self, newcomer: Landmark<S>) -> Result<(), Landmark<S>> {
-        let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.matched.is_none());
-        match unseen.max_by_key(|landmark| (landmark.is_tentative, landmark.missed)) {
-            Some(place) => {
-                // The order of the table stays; the newcomer has no part in this frame any more.
-                *place = Landmark { column_px: place.column_px, reach_px: place.reach_px, ..newcomer };
-                Ok(())
-            }
-            None => Err(newcomer),
-        }
     }
 }
 
@@ -456,19 +353,6 @@ struct Blend {
     samples: SampleSet,
     /// Too little is left of the line.
     is_whole: bool,
-}
-
-/// Sorts the landmarks by their predicted columns; from frame to frame they hardly change their order. Returns their number.
-fn sort_by_column<S: Scalar>(landmarks: &mut [Landmark<S>]) -> usize {
-    for sorted in 0..landmarks.len() {
-        let Some((last, before)) = landmarks.get_mut(..=sorted).and_then(<[_]>::split_last_mut) else { continue };
-        let column_px = last.column_px;
-        let at = before.partition_point(|landmark| landmark.column_px <= column_px);
-        if let Some(unsorted) = landmarks.get_mut(at..=sorted) {
-            unsorted.rotate_right(1);
-        }
-    }
-    landmarks.len()
 }
 
 impl<S: Scalar, const LANDMARKS: usize> Default for Sequence<S, LANDMARKS> {

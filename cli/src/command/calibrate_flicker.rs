@@ -48,14 +48,18 @@ pub(crate) fn measure(arguments: &FlickerArgs) -> Result<Outcome> {
     let Some(first) = arguments.files.first() else { bail!("there is no frame") };
     let size = match arguments.raw {
         Some(raw) => raw.size,
-        None => picture::stated_size(first)?,
+        None => {
+            let (columns, rows) =
+                picture::load_grey(first, &PictureFormat { size: None, raw: None, bits: None })?.dimensions();
+            Size { columns, rows }
+        }
     };
     ensure!(size.rows as usize <= ROWS, "the frames have {} rows, but must have at most {ROWS}", size.rows);
     let format = PictureFormat { size: Some(size), raw: arguments.raw, bits: None };
     let mut meter = Box::new(meter(arguments, size)?);
     let mut means_q8 = Vec::new();
     for file in &arguments.files {
-        let means = row_means_q8(&picture::load(file, &format)?.image.to_luma8());
+        let means = row_means_q8(&picture::load_grey(file, &format)?);
         means.iter().for_each(|mean_q8| meter.row(*mean_q8));
         meter.end_frame();
         means_q8.push(means);

@@ -107,7 +107,7 @@ impl Calibration<'_> {
         let bar = progress::bar(self.files.len() as u64);
         let mut known: Vec<(f64, Polarity)> = Vec::new();
         for (frame, file) in self.files.iter().enumerate() {
-            let pixels = picture::load(file, &format)?.image.to_luma8();
+            let pixels = picture::load_grey(file, &format)?;
             let lines =
                 frame::lines_of_grey(&pixels, &self.setup.setup).with_context(|| file.display().to_string())?.lines;
             let turned = self.turned(starts.start_s(frame as i64));

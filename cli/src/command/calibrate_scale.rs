@@ -74,9 +74,8 @@ fn slope(pass: &FilePass) -> Result<f64> {
 
 /// Slope of the longest edge of a picture, in pixels per row.
 fn slope_in_picture(path: &Path) -> Result<f64> {
-    let size = picture::stated_size(path)?;
-    let pixels = picture::load(path, &PictureFormat { size: Some(size), raw: None, bits: None })?.image.to_luma8();
-    let (columns, rows) = (u16::try_from(size.columns)?, u16::try_from(size.rows)?);
+    let pixels = picture::load_grey(path, &PictureFormat { size: None, raw: None, bits: None })?;
+    let (columns, rows) = (u16::try_from(pixels.width())?, u16::try_from(pixels.height())?);
     // The tracker needs neither the focal length nor the readout.
     let setup = Setup::pinhole(columns, rows, f64::from(columns), 33_000_000)?;
     let lines = frame::lines_of_grey(&pixels, &setup)?.lines;

@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, ensure};
-use image::GrayImage;
 use serde::Serialize;
 
 use crate::arguments::InspectArgs;
@@ -77,8 +76,8 @@ impl Seen {
         const LEAST_SIDE: u32 = 16;
         let name = found.name.clone();
         let picture = found.load(format)?;
-        ensure!(!picture.is_torn, "{name}: bytes of this JPEG were lost");
-        let pixels: GrayImage = picture.image.to_luma8();
+        let unused_bits = picture.unused_bits;
+        let pixels = picture.into_grey().with_context(|| name.clone())?;
         let size @ (columns, rows) = pixels.dimensions();
         ensure!(
             columns.min(rows) >= LEAST_SIDE,
@@ -87,7 +86,7 @@ impl Seen {
         Ok(Self {
             measured: Measurement::of(&Grey::of(&pixels)),
             has_alternating_columns: hints::has_alternating_columns(&pixels),
-            unused_bits: picture.unused_bits,
+            unused_bits,
             name,
             size,
         })

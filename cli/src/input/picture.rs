@@ -31,6 +31,14 @@ pub(crate) struct Picture {
     pub(crate) is_torn: bool,
 }
 
+impl Picture {
+    /// *Errors*: a part of it was lost.
+    pub(crate) fn into_grey(self) -> Result<GrayImage> {
+        ensure!(!self.is_torn, "bytes of this JPEG were lost");
+        Ok(self.image.to_luma8())
+    }
+}
+
 /// What pictures must be.
 #[derive(Clone, Copy)]
 pub(crate) struct PictureFormat {
@@ -42,12 +50,9 @@ pub(crate) struct PictureFormat {
     pub(crate) bits: Option<u32>,
 }
 
-/// The size that the header of a picture states, for pictures of an unknown camera.
-pub(crate) fn stated_size(path: &Path) -> Result<Size> {
-    let name = || path.display().to_string();
-    let reader = ImageReader::open(path).with_context(name)?.with_guessed_format().with_context(name)?;
-    let (columns, rows) = reader.into_dimensions().map_err(damaged).with_context(name)?;
-    Ok(Size { columns, rows })
+/// A picture as grey levels, for what needs all of it.
+pub(crate) fn load_grey(path: &Path, format: &PictureFormat) -> Result<GrayImage> {
+    load(path, format)?.into_grey().with_context(|| path.display().to_string())
 }
 
 /// The picture in a file.

@@ -5,6 +5,7 @@
 
 pub mod counter;
 pub mod file;
+pub mod frames;
 #[cfg(all(feature = "guard", target_arch = "arm"))]
 mod guard;
 pub mod small;

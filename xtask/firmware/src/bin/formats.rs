@@ -1,18 +1,13 @@
-//! `Ranger::row` over frames in a pixel format: prints the instructions and the stack of each frame, and its dearest row.
+//! `Ranger::row` over frames in a pixel format.
 #![no_std]
 #![no_main]
 
-use budget_firmware::Number;
-use budget_firmware::counter::Counter;
-use budget_firmware::file;
-use budget_firmware::stack::Painted;
-use semihosting::println;
+use budget_firmware::frames::Table;
+use budget_firmware::{Number, file, frames};
 use shutter_range::format::{Bayer, ByteOrder, PixelFormat, Raw10, Rgb565, Strided};
-use shutter_range::{Ranger, RowError, Setup};
+use shutter_range::{RowError, Setup};
 
 budget_firmware::program!(run);
-
-type Table = Ranger<16, 16, 64>;
 
 /// With the type of its format, as firmware does that knows its sensor.
 fn take(
@@ -32,30 +27,9 @@ fn take(
 }
 
 fn run() {
-    let counter = Counter::new();
     let mut job = file::open();
     let setup = job.setup::<Number>();
-    let (columns, rows) = (setup.camera().intrinsics().columns, setup.readout().rows());
     let format = PixelFormat::ALL.get(usize::from(job.u16())).copied().expect("a format");
-    let mut bytes = [0_u8; 4096];
-    let row_bytes = format.row_bytes(columns).expect("a row of this format");
-    let bytes = bytes.get_mut(..row_bytes).expect("no wider image");
-    for _ in 0..job.u16() {
-        let mut ranger = Table::new();
-        let painted = Painted::below(1 << 16);
-        let (mut all, mut most, mut dearest, mut lines) = (0, 0, 0, 0_u32);
-        for row in 0..rows {
-            job.bytes(bytes);
-            let (result, instructions) = counter.count(|| take(&mut ranger, &setup, row, format, bytes));
-            result.expect("rows in order");
-            all += instructions;
-            if instructions > most {
-                (most, dearest) = (instructions, row);
-            }
-            while ranger.next_line().is_some() {
-                lines += 1;
-            }
-        }
-        println!("frame {all} {most} {dearest} {lines} {}", painted.used());
-    }
+    let row_bytes = format.row_bytes(setup.camera().intrinsics().columns).expect("a row of this format");
+    frames::count(&mut job, &setup, row_bytes, |ranger, row, bytes| take(ranger, &setup, row, format, bytes));
 }

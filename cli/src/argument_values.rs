@@ -1,0 +1,62 @@
+//! Values of arguments: what each must be.
+
+use std::path::PathBuf;
+
+fn within(text: &str, least: f64, most: f64, expected: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| format!("it must be {expected}"))
+}
+
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
+    within(text, f64::MIN_POSITIVE, f64::MAX, "a finite number above 0")
+}
+
+pub(crate) fn frequency(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 100_000.0, "a number from 1 to 100000 (Hz)")
+}
+
+pub(crate) fn frequency_sigma(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 100_000.0, "a number from 0 to 100000 (Hz)")
+}
+
+pub(crate) fn roll(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 45.0, "a number from 0 to 45 (degrees)")
+}
+
+pub(crate) fn contrast(text: &str) -> Result<f64, String> {
+    within(text, 1.0, 230.0, "a number from 1 to 230 (grey levels)")
+}
+
+pub(crate) fn svg_path(text: &str) -> Result<PathBuf, String> {
+    path_ending_in("svg", text)
+}
+
+pub(crate) fn png_path(text: &str) -> Result<PathBuf, String> {
+    path_ending_in("png", text)
+}
+
+pub(crate) fn html_path(text: &str) -> Result<PathBuf, String> {
+    path_ending_in("html", text)
+}
+
+fn path_ending_in(ending: &str, text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let ends = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+    if ends { Ok(path) } else { Err(format!("it must end in .{ending}")) }
+}
+
+pub(crate) fn megahertz(text: &str) -> Result<f64, String> {
+    let megahertz = text.parse().ok().filter(|megahertz| (1.0..=100.0).contains(megahertz));
+    megahertz.ok_or_else(|| "it must be a number from 1 to 100 (MHz)".to_string())
+}
+
+pub(crate) fn interval(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| (0.0..=3600.0).contains(seconds));
+    seconds.ok_or_else(|| "it must be a number from 0 to 3600 (seconds)".to_string())
+}
+
+/// Unlike simulated frames, those of a sequence cannot be of the same instant.
+pub(crate) fn interval_of_a_sequence(text: &str) -> Result<f64, String> {
+    let seconds = interval(text).ok().filter(|seconds| *seconds > 0.0);
+    seconds.ok_or_else(|| "it must be a number above 0, at most 3600 (seconds)".to_string())
+}
