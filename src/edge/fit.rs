@@ -103,8 +103,9 @@ impl EdgeModel {
 
 /// Whether an edge of this contrast is of the usual kind: not so much weaker that it would only add noise, and at most twice
 /// as strong.
-fn is_alike(contrast_q8: i32, usual_q8: i32) -> bool {
-    contrast_q8 * usual_q8.signum() * 3 >= usual_q8.abs() * 2 && contrast_q8.abs() <= 2 * usual_q8.abs()
+const fn is_alike(contrast_q8: i32, usual_q8: i32) -> bool {
+    let (contrast_q8, usual_q8) = if usual_q8 < 0 { (-contrast_q8, -usual_q8) } else { (contrast_q8, usual_q8) };
+    3 * contrast_q8 >= 2 * usual_q8 && contrast_q8 <= 2 * usual_q8
 }
 
 /// The width of the edge: that of its template, and what the row says of it.

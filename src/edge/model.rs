@@ -159,11 +159,14 @@ impl EdgeModel {
         let rows_log2 = 15 - u32::from(self.rows.get()).leading_zeros().saturating_sub(16);
         // A few rows of something else are no texture.
         let most_q8 = 4 * i32::from(self.white_q8);
-        let means_q16 = self.levels_q16.iter_mut().skip(kind).take(1).flatten();
-        for ((mean_q16, level_scatter_q8), off_q8) in means_q16.zip(&mut self.level_scatter_q8).zip(fit.off_q8) {
-            *level_scatter_q8 = toward(*level_scatter_q8, off_q8.abs().min(most_q8), rows_log2.min(BLUR_ROWS_LOG2));
-            let change_q16 = part(off_q8 << 8, rows_log2.min(LEVEL_ROWS_LOG2));
-            *mean_q16 = (*mean_q16 as i32 + change_q16).clamp(0, 255 << 16) as u32;
+        let (scatter_log2, levels_log2) = (rows_log2.min(BLUR_ROWS_LOG2), rows_log2.min(LEVEL_ROWS_LOG2));
+        for (level_scatter_q8, off_q8) in self.level_scatter_q8.iter_mut().zip(fit.off_q8) {
+            *level_scatter_q8 = toward(*level_scatter_q8, off_q8.abs().min(most_q8), scatter_log2);
+        }
+        if let Some(means_q16) = self.levels_q16.get_mut(kind) {
+            for (mean_q16, off_q8) in means_q16.iter_mut().zip(fit.off_q8) {
+                *mean_q16 = (*mean_q16 as i32 + part(off_q8 << 8, levels_log2)).clamp(0, 255 << 16) as u32;
+            }
         }
         self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
         self.widen(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));

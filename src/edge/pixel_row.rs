@@ -30,10 +30,6 @@ impl Stretch {
 }
 
 impl<P: Pixels> PixelRow<'_, P> {
-    pub(super) fn stretch(&self, from: i32, to: i32) -> Option<Stretch> {
-        (0 <= from && from <= to && to <= self.columns()).then_some(Stretch { from: from as usize, to: to as usize })
-    }
-
     /// Number of pixels; what lies beyond 2³⁰ is out of reach of columns in 1/65536 px anyway.
     pub(super) fn columns(&self) -> i32 {
         self.pixels.columns().min(1 << 30) as i32
@@ -58,11 +54,13 @@ impl<P: Pixels> PixelRow<'_, P> {
 
     /// Sum of the light, in 1/256 of a level, of up to 65 536 pixels.
     fn sum_q8(&self, stretch: Stretch) -> u32 {
-        let levels_q8 = self.pixels.levels_q8(stretch.columns());
-        if self.response.is_identity() {
-            levels_q8.map(u32::from).sum()
-        } else {
-            levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum()
+        if !self.response.is_identity() {
+            let levels_q8 = self.pixels.levels_q8(stretch.columns());
+            return levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum();
+        }
+        match self.pixels.grey() {
+            Some(grey) => sum(grey.get(stretch.columns()).unwrap_or_default()) << 8,
+            None => self.pixels.levels_q8(stretch.columns()).map(u32::from).sum(),
         }
     }
 
@@ -121,6 +119,13 @@ impl<P: Pixels> PixelRow<'_, P> {
         let slope_q8 = rise_q8 / (2 * u32::from(STEP_Q8 >> 8));
         noise_q8.saturating_mul(slope_q8.max(1)) >> 8
     }
+}
+
+/// Four at a time: a plateau has few more.
+fn sum(pixels: &[u8]) -> u32 {
+    let fours = pixels.chunks_exact(4);
+    let rest: u32 = fours.remainder().iter().map(|pixel| u32::from(*pixel)).sum();
+    fours.fold(rest, |sum, four| sum + four.iter().map(|pixel| u32::from(*pixel)).sum::<u32>())
 }
 
 /// To the nearest.

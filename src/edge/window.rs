@@ -73,11 +73,16 @@ impl<'p, P: Pixels> Window<'p, P> {
         let to = ((to_q8 >> 8) + 1).min(end + plateau).min(row.columns());
         // At least the outermost pixels tell the levels.
         let (flank_from, flank_to) = (sampled.first.max(from + row.colours()), end.min(to - row.colours()));
+        if flank_from > flank_to {
+            return None;
+        }
+        // Within the row, and each not before the one on its left.
+        let stretch = |from: i32, to: i32| Stretch { from: from as usize, to: to as usize };
         let mut window = Self {
             row,
-            flank: row.stretch(flank_from, flank_to)?,
-            weights: sampled.weights.get(usize::try_from(flank_from - sampled.first).ok()?..)?,
-            plateaus: [row.stretch(from, flank_from)?, row.stretch(flank_to, to)?],
+            flank: stretch(flank_from, flank_to),
+            weights: sampled.weights.get((flank_from - sampled.first) as usize..)?,
+            plateaus: [stretch(from, flank_from), stretch(flank_to, to)],
             norms: *sampled.norms,
             centre_q8: sampled.centre_q8,
         };
