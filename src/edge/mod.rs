@@ -1,16 +1,26 @@
 //! From a row of pixels to edge points, in integers.
 
+mod tuning;
 mod point;
 mod pixel_row;
 mod scan;
 mod spread_function;
+mod weight;
+mod norms;
+mod template;
 mod moments;
+mod level_moments;
 mod window;
 mod model;
+mod fit;
+mod refine;
+#[cfg(test)]
+mod tests;
 
 pub(crate) use model::EdgeModel;
 pub(crate) use pixel_row::PixelRow;
 pub use point::{EdgePoint, Polarity};
 pub use scan::{ScannedPoint, Scanner};
 pub(crate) use spread_function::SpreadFunction;
-pub(crate) use window::{Neighbours, PLATEAU};
+pub(crate) use tuning::PLATEAU;
+pub(crate) use window::Neighbours;

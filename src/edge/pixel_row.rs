@@ -30,14 +30,38 @@ impl Stretch {
 }
 
 impl<P: Pixels> PixelRow<'_, P> {
-    pub(super) fn stretch(&self, from: i64, to: i64) -> Option<Stretch> {
-        let (from, to) = (usize::try_from(from).ok()?, usize::try_from(to).ok()?);
-        (from <= to && to <= self.pixels.columns()).then_some(Stretch { from, to })
+    /// Number of pixels; what lies beyond 2³⁰ is out of reach of columns in 1/65536 px anyway.
+    pub(super) fn columns(&self) -> i32 {
+        self.pixels.columns().min(1 << 30) as i32
     }
 
-    /// The light of the pixels in 1/256 of a level.
-    pub(super) fn light_q8(&self, stretch: Stretch) -> impl Iterator<Item = u16> {
-        self.pixels.levels_q8(stretch.columns()).map(|level_q8| self.response.light_q8(level_q8))
+    /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.
+    pub(super) fn each_light_q8<T>(
+        &self,
+        stretch: Stretch,
+        beside: impl Iterator<Item = T>,
+        mut take: impl FnMut(i32, T),
+    ) {
+        let levels_q8 = self.pixels.levels_q8(stretch.columns());
+        // Asked once, not for each pixel.
+        if self.response.is_identity() {
+            levels_q8.zip(beside).for_each(|(level_q8, other)| take(i32::from(level_q8), other));
+        } else {
+            let light_q8 = |level_q8| i32::from(self.response.light_q8(level_q8));
+            levels_q8.zip(beside).for_each(|(level_q8, other)| take(light_q8(level_q8), other));
+        }
+    }
+
+    /// Sum of the light, in 1/256 of a level, of up to 65 536 pixels.
+    fn sum_q8(&self, stretch: Stretch) -> u32 {
+        if !self.response.is_identity() {
+            let levels_q8 = self.pixels.levels_q8(stretch.columns());
+            return levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum();
+        }
+        match self.pixels.grey() {
+            Some(grey) => sum(grey.get(stretch.columns()).unwrap_or_default()) << 8,
+            None => self.pixels.levels_q8(stretch.columns()).map(u32::from).sum(),
+        }
     }
 
     /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.
@@ -46,44 +70,45 @@ impl<P: Pixels> PixelRow<'_, P> {
     }
 
     /// Fewest pixels that show a level: one of each colour.
-    pub(super) fn colours(&self) -> i64 {
+    pub(super) fn colours(&self) -> i32 {
         if self.pixels.mosaic_row().is_some() { 2 } else { 1 }
     }
 
-    /// Mean light of up to 255 pixels, in 1/65536 of a level; of a mosaic, mean of the means of its two colours.
-    pub(super) fn mean_q16(&self, stretch: Stretch) -> Option<u32> {
+    /// Mean light in 1/256 of a level, to the nearest; of a mosaic, mean of the means of its two colours.
+    pub(super) fn mean_q8(&self, stretch: Stretch) -> Option<i32> {
         if self.pixels.mosaic_row().is_some() {
-            let [even, odd] = self.colour_means_q16(stretch)?;
-            return Some((even + odd) / 2);
+            let [even_q8, odd_q8] = self.colour_means_q8(stretch)?;
+            return Some((even_q8 + odd_q8) / 2);
         }
-        // The product fits 32 bits.
-        let sum_q8: u32 = self.light_q8(stretch).map(u32::from).sum();
-        (sum_q8 << 8).checked_div(stretch.pixels() as u32)
+        mean(self.sum_q8(stretch), stretch.pixels() as u32)
     }
 
     /// How much brighter the even columns of a mosaic are than the mean of its two colours, in 1/256 of a level; zero for
     /// one colour.
-    pub(super) fn colour_q8(&self, stretch: Stretch) -> i64 {
-        let means = self.pixels.mosaic_row().and_then(|_| self.colour_means_q16(stretch));
-        means.map_or(0, |[even, odd]| (i64::from(even) - i64::from(odd)) >> 9)
+    pub(super) fn colour_q8(&self, stretch: Stretch) -> i32 {
+        let means = self.pixels.mosaic_row().and_then(|_| self.colour_means_q8(stretch));
+        means.map_or(0, |[even_q8, odd_q8]| (even_q8 - odd_q8) / 2)
     }
 
     /// Those of the even and of the odd columns, where there are both.
-    fn colour_means_q16(&self, stretch: Stretch) -> Option<[u32; 2]> {
+    fn colour_means_q8(&self, stretch: Stretch) -> Option<[i32; 2]> {
         let (mut sums_q8, mut counts) = ([0_u32; 2], [0_u32; 2]);
-        for (column, light_q8) in stretch.columns().zip(self.light_q8(stretch)) {
+        self.each_light_q8(stretch, stretch.columns(), |light_q8, column| {
             let [even, odd] = &mut sums_q8;
             let [evens, odds] = &mut counts;
             let (sum_q8, count) = if column % 2 == 0 { (even, evens) } else { (odd, odds) };
-            *sum_q8 += u32::from(light_q8);
+            *sum_q8 += light_q8 as u32;
             *count += 1;
-        }
+        });
         let ([even, odd], [evens, odds]) = (sums_q8, counts);
-        Some([(even << 8).checked_div(evens)?, (odd << 8).checked_div(odds)?])
+        Some([mean(even, evens)?, mean(odd, odds)?])
     }
 
     /// Noise of the light at a column, from that of the grey levels, both in 1/256 of a level.
-    pub(super) fn noise_of_light_q8(&self, column_q16: i64, noise_q8: u32) -> u32 {
+    pub(super) fn noise_of_light_q8(&self, column_q16: i32, noise_q8: u32) -> u32 {
+        if self.response.is_identity() {
+            return noise_q8;
+        }
         // The curve is steep at one end of an edge and flat at the other: its middle stands for both.
         const STEP_Q8: u16 = 8 << 8;
         let middle = usize::try_from(column_q16 >> 16).ok().filter(|column| *column < self.pixels.columns());
@@ -94,6 +119,18 @@ impl<P: Pixels> PixelRow<'_, P> {
         let slope_q8 = rise_q8 / (2 * u32::from(STEP_Q8 >> 8));
         noise_q8.saturating_mul(slope_q8.max(1)) >> 8
     }
+}
+
+/// Four at a time: a plateau has few more.
+fn sum(pixels: &[u8]) -> u32 {
+    let fours = pixels.chunks_exact(4);
+    let rest: u32 = fours.remainder().iter().map(|pixel| u32::from(*pixel)).sum();
+    fours.fold(rest, |sum, four| sum + four.iter().map(|pixel| u32::from(*pixel)).sum::<u32>())
+}
+
+/// To the nearest.
+fn mean(sum: u32, count: u32) -> Option<i32> {
+    i32::try_from((sum + count / 2).checked_div(count)?).ok()
 }
 
 /// The whole grey levels of a stretch of a row: those bytes themselves where it is grey, else in the buffer. What lies beyond

@@ -5,6 +5,8 @@
 //! difference of two windows of four pixels over the row: each run of one sign above the noise is a point of an edge, and
 //! the centroid of the run is its column.
 
+use core::ops::Range;
+
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
 use crate::format::Pixels;
@@ -108,13 +110,24 @@ impl Scanner {
     }
 
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to right.
-    pub fn scan(&mut self, pixels: impl Pixels, mut found: impl FnMut(ScannedPoint)) {
+    pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
+        self.scan_beside(pixels, &[], found);
+    }
+
+    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look. Where
+    /// something else is near, edges in such a stretch can still be handed over.
+    pub(crate) fn scan_beside(
+        &mut self,
+        pixels: impl Pixels,
+        explained: &[Range<u16>],
+        mut found: impl FnMut(ScannedPoint),
+    ) {
         self.learn(&pixels);
         let noise_q8 = self.noise_q8();
         let difference = sigma_of(self.difference_q8).max(self.difference_of_noise_q8()).max(LEAST_DIFFERENCE << 6);
         let least = (4 * difference) >> 8;
         // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding difference.
-        coarse(&pixels, 2 * least, |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found));
+        coarse(&pixels, 2 * least, explained, |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found));
     }
 
     /// Whether neighbouring windows usually differ by more than twice what noise explains.
@@ -194,7 +207,7 @@ fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
 }
 
 /// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
-fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize)) {
+fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
     let limit = u16::try_from(limit).unwrap_or(u16::MAX);
     let mut open: Option<(usize, usize)> = None;
     let mut last: Option<u16> = None;
@@ -212,11 +225,12 @@ fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize
         *before = last.unwrap_or(*first);
         last = sums.get(filled).copied();
         let steps = || sums.iter().zip(sums.iter().skip(1)).take(filled).map(|(a, b)| a.abs_diff(*b));
-        let mut differing = 0_u64;
+        let mut differing = 0_u32;
         if steps().fold(0, u16::max) > limit {
             for (index, step) in steps().enumerate() {
-                differing |= u64::from(step > limit) << index;
+                differing |= u32::from(step > limit) << index;
             }
+            differing &= !explained_boundaries(explained, at);
         }
         while differing != 0 {
             let block = at + differing.trailing_zeros() as usize;
@@ -239,6 +253,16 @@ fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize
     if let Some((start, end)) = open {
         stretch(start * BLOCK, end * BLOCK);
     }
+}
+
+/// The boundaries of a group's blocks, each with the block before, whose differences lie in explained columns.
+fn explained_boundaries(explained: &[Range<u16>], group: usize) -> u32 {
+    let below = |block: usize| (1_u64 << block.saturating_sub(group).min(GROUP)) - 1;
+    let of = |columns: &Range<u16>| {
+        let (from, to) = (usize::from(columns.start) / BLOCK, usize::from(columns.end) / BLOCK + 2);
+        below(to) & !below(from)
+    };
+    explained.iter().fold(0, |boundaries, columns| boundaries | of(columns)) as u32
 }
 
 /// Joins blocks to the stretch before them if they touch, or hands that one over and opens another.

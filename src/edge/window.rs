@@ -1,9 +1,13 @@
-//! [`Window`]: the pixels around an edge, and their moments against an expected spread function.
+//! [`Window`]: the pixels around an edge, and what they say given an expected step.
 
-use super::moments::{LevelMoments, Moments};
+use super::level_moments::LevelMoments;
+use super::moments::Moments;
+use super::norms::{Norms, Squares};
 use super::pixel_row::{PixelRow, Stretch};
 use super::point::EdgePoint;
-use super::spread_function::{Place, SpreadFunction};
+use super::template::Template;
+use super::tuning::PLATEAU;
+use super::weight::Weight;
 use crate::format::Pixels;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
@@ -15,7 +19,7 @@ pub(crate) struct Neighbours {
 
 impl Neighbours {
     /// None near enough to matter.
-    pub(crate) const NONE: Self = Self { left_q16: -(1 << 40), right_q16: 1 << 40 };
+    pub(crate) const NONE: Self = Self { left_q16: -(1 << 36), right_q16: 1 << 36 };
 
     /// Whether one of them is.
     pub(crate) const fn is_nearer_than(&self, distance_q16: i64, column_q16: i64) -> bool {
@@ -35,115 +39,108 @@ impl Neighbours {
         }
         around
     }
+
+    /// Their columns in 1/256 px, within what any sum of two of them holds.
+    pub(super) fn bounds_q8(&self) -> (i32, i32) {
+        let column_q8 = |column_q16: i64| (column_q16 >> 8).clamp(-(1 << 28), 1 << 28) as i32;
+        (column_q8(self.left_q16), column_q8(self.right_q16))
+    }
 }
 
-/// Pixels of plateau on either side that tell its level.
-pub(crate) const PLATEAU: i64 = 4;
-
-/// The pixels around an edge: its flank, and a plateau on either side.
-pub(crate) struct Window<'p, P> {
+/// The pixels around an edge: its flank with what it should show, and a plateau on either side.
+pub(super) struct Window<'p, P> {
     row: PixelRow<'p, P>,
     flank: Stretch,
+    weights: &'static [Weight],
     plateaus: [Stretch; 2],
-    /// Of a mosaic: how much brighter its even columns are than the mean of its two colours, on either side.
-    colours_q8: [i64; 2],
-    /// Distance of the flank's first pixel from the expected column.
-    off_q8: i32,
+    pub(super) norms: Norms,
+    /// Where the step is expected: the phase that is nearest, in 1/256 px.
+    pub(super) centre_q8: i32,
 }
 
 impl<'p, P: Pixels> Window<'p, P> {
-    pub(crate) fn new(
+    pub(super) fn new(
         row: PixelRow<'p, P>,
-        column_q16: i64,
-        template: &SpreadFunction,
-        around: Neighbours,
+        column_q8: i32,
+        template: &Template,
+        bounds_q8: (i32, i32),
     ) -> Option<Self> {
-        let reach_q16 = i64::from(template.reach_q8()) << 8;
-        let (from_q16, to_q16) = view(column_q16, reach_q16, around);
-        let (from, to) = (((from_q16 + 65535) >> 16).max(0), ((to_q16 >> 16) + 1).min(row.pixels.columns() as i64));
+        let sampled = template.at(column_q8);
+        let (from_q8, to_q8) = view(column_q8, i32::from(template.reach_q8), bounds_q8);
+        let plateau = template.plateau();
+        let (whole_from, end) = (sampled.first - plateau, sampled.first + sampled.weights.len() as i32);
+        let from = ((from_q8 + 255) >> 8).max(whole_from).max(0);
+        let to = ((to_q8 >> 8) + 1).min(end + plateau).min(row.columns());
         // At least the outermost pixels tell the levels.
-        let flank_from = ((column_q16 - reach_q16 + 65535) >> 16).max(from + row.colours());
-        let flank_to = (((column_q16 + reach_q16) >> 16) + 1).min(to - row.colours());
-        let plateaus = [row.stretch(from, flank_from)?, row.stretch(flank_to, to)?];
-        Some(Self {
+        let (flank_from, flank_to) = (sampled.first.max(from + row.colours()), end.min(to - row.colours()));
+        if flank_from > flank_to {
+            return None;
+        }
+        // Within the row, and each not before the one on its left.
+        let stretch = |from: i32, to: i32| Stretch { from: from as usize, to: to as usize };
+        let mut window = Self {
             row,
-            flank: row.stretch(flank_from, flank_to)?,
-            plateaus,
-            colours_q8: plateaus.map(|plateau| row.colour_q8(plateau)),
-            off_q8: i32::try_from((flank_from << 8) - (column_q16 >> 8)).ok()?,
-        })
+            flank: stretch(flank_from, flank_to),
+            weights: sampled.weights.get((flank_from - sampled.first) as usize..)?,
+            plateaus: [stretch(from, flank_from), stretch(flank_to, to)],
+            norms: *sampled.norms,
+            centre_q8: sampled.centre_q8,
+        };
+        if from > whole_from || to < end + plateau {
+            let seen = window.weights.iter().take(window.flank.pixels());
+            let plateaus = window.plateaus.map(|plateau| plateau.pixels() as u32);
+            window.norms = seen.fold(Squares::NONE, Squares::with).norms(plateaus);
+        }
+        Some(window)
     }
 
-    /// The light of each pixel of the flank less what is expected there.
-    fn residuals_q8(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> impl Iterator<Item = (i64, Place)> {
-        let [left_q8, right_q8] = levels_q8;
-        let is_mosaic = self.row.pixels.mosaic_row().is_some();
-        let [left_colour_q8, right_colour_q8] = if is_mosaic { self.colours_q8 } else { [0; 2] };
-        // One colour is as much brighter than their mean as the other is darker.
-        let mut sign = if self.flank.from.is_multiple_of(2) { 1 } else { -1 };
-        self.row.light_q8(self.flank).zip(template.walk(self.off_q8)).map(move |(light_q8, place)| {
-            let (left_q8, right_q8) = (left_q8 + sign * left_colour_q8, right_q8 + sign * right_colour_q8);
-            sign = -sign;
-            let expected_q8 = left_q8 + (((right_q8 - left_q8) * i64::from(place.step)) >> 15);
-            (i64::from(light_q8) - expected_q8, place)
-        })
-    }
-
-    /// What the flank says of the levels themselves, given those to expect.
-    pub(crate) fn level_sums(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> LevelMoments {
-        let mut sums = LevelMoments::default();
-        self.residuals_q8(template, levels_q8).for_each(|(residual_q8, place)| sums.add(residual_q8, &place));
-        sums
+    /// Levels of the plateaus, in 1/256 of a grey level.
+    pub(super) fn levels_q8(&self) -> Option<[i32; 2]> {
+        let [left, right] = self.plateaus;
+        Some([self.row.mean_q8(left)?, self.row.mean_q8(right)?])
     }
 
     /// Given the levels to expect.
-    pub(crate) fn sums(&self, template: &SpreadFunction, levels_q8: [i64; 2]) -> Moments {
-        let mut sums = Moments::default();
-        self.residuals_q8(template, levels_q8).for_each(|(residual_q8, place)| sums.add(residual_q8, &place));
-        let ([left, right], [left_q8, right_q8]) = (self.plateaus, levels_q8);
-        sums.plateau_pixels = [left.pixels() as i64, right.pixels() as i64];
-        sums.off_q16 = [off_q16(self.row, left, left_q8), off_q16(self.row, right, right_q8)];
-        sums
+    pub(super) fn moments(&self, levels_q8: [i32; 2]) -> Moments {
+        let mut moments = Moments::default();
+        self.each(levels_q8, |residual_q6, weight| moments.add(residual_q6, weight));
+        moments
     }
-}
 
-/// Mean of a plateau minus what is expected.
-fn off_q16<P: Pixels>(row: PixelRow<'_, P>, plateau: Stretch, level_q8: i64) -> i64 {
-    i64::from(row.mean_q16(plateau).unwrap_or(0)) - (level_q8 << 8)
+    /// What the flank says of the levels themselves, given those to expect.
+    pub(super) fn level_moments(&self, levels_q8: [i32; 2]) -> LevelMoments {
+        let mut moments = LevelMoments::default();
+        self.each(levels_q8, |residual_q6, weight| moments.add(residual_q6, weight));
+        moments
+    }
+
+    /// Each pixel of the flank minus what is expected there, in 1/64 of a level.
+    fn each(&self, levels_q8: [i32; 2], mut take: impl FnMut(i32, &'static Weight)) {
+        let [left_q6, right_q6] = levels_q8.map(|level_q8| level_q8 >> 2);
+        let expected_q6 =
+            |left_q6: i32, right_q6: i32, step: u16| left_q6 + (((right_q6 - left_q6) * i32::from(step)) >> 15);
+        if self.row.pixels.mosaic_row().is_none() {
+            self.row.each_light_q8(self.flank, self.weights.iter(), |light_q8, weight| {
+                take((light_q8 >> 2) - expected_q6(left_q6, right_q6, weight.step), weight);
+            });
+            return;
+        }
+        // One colour is as much brighter than the mean of the two as the other is darker.
+        let [left_colour_q6, right_colour_q6] = self.plateaus.map(|plateau| self.row.colour_q8(plateau) >> 2);
+        let mut sign = if self.flank.from.is_multiple_of(2) { 1 } else { -1 };
+        self.row.each_light_q8(self.flank, self.weights.iter(), |light_q8, weight| {
+            let (left_q6, right_q6) = (left_q6 + sign * left_colour_q6, right_q6 + sign * right_colour_q6);
+            sign = -sign;
+            take((light_q8 >> 2) - expected_q6(left_q6, right_q6, weight.step), weight);
+        });
+    }
 }
 
 /// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
 /// half the way to it.
-fn view(column_q16: i64, reach_q16: i64, around: Neighbours) -> (i64, i64) {
-    // The longer the blur, the more a wrong level shifts the edge.
-    let far_q16 = 2 * reach_q16 + (PLATEAU << 16);
-    let left = (around.left_q16 + reach_q16).min((column_q16 + around.left_q16) / 2);
-    let right = (around.right_q16 - reach_q16).max((column_q16 + around.right_q16) / 2);
-    ((column_q16 - far_q16).max(left), (column_q16 + far_q16).min(right))
-}
-
-#[derive(Clone, Copy, PartialEq)]
-pub(crate) enum Side {
-    Left,
-    Right,
-}
-
-/// Mean brightness beyond the blur on one side, in 1/65536 grey level; where neighbours leave no room, of the pixel half way
-/// (and of its neighbour's, whose colour is another one in a mosaic).
-pub(crate) fn plateau<P: Pixels>(
-    row: PixelRow<'_, P>,
-    column: i64,
-    reach_q16: i64,
-    side: Side,
-    around: Neighbours,
-) -> Option<u32> {
-    let (left, right) = view(column, reach_q16, around);
-    let (from, to) = match side {
-        Side::Left => (left, (column - reach_q16).max(left)),
-        Side::Right => ((column + reach_q16).min(right), right),
-    };
-    let last = row.pixels.columns() as i64 - 1;
-    let from = ((from + (1 << 15)) >> 16).max(0).min(last + 1 - row.colours());
-    let to = ((to + (1 << 15)) >> 16).min(last).max(from + row.colours() - 1);
-    row.mean_q16(row.stretch(from, to + 1)?)
+fn view(column_q8: i32, reach_q8: i32, (left_q8, right_q8): (i32, i32)) -> (i32, i32) {
+    let far_q8 = 2 * reach_q8 + ((PLATEAU + 1) << 8);
+    let left = (left_q8 + reach_q8).min((column_q8 + left_q8) >> 1);
+    let right = (right_q8 - reach_q8).max((column_q8 + right_q8) >> 1);
+    ((column_q8 - far_q8).max(left), (column_q8 + far_q8).min(right))
 }

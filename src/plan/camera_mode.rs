@@ -97,7 +97,7 @@ impl<S: Scalar> CameraMode<S> {
 fn plateaus<S: Scalar>(width_px: S, object_px: S) -> [S; 2] {
     let width_q8 = (width_px.to_f64() * 256.0) as u16;
     let reach_px = S::ratio(SpreadFunction::new(width_q8).reach_q8(), 256);
-    let far = reach_px + S::from_i32(PLATEAU as i32);
+    let far = reach_px + S::from_i32(PLATEAU);
     // Up to where the other edge's blur begins, or half the way to it.
     let view = (object_px - reach_px).max(object_px * S::ratio(1, 2));
     let own = (view - reach_px).max(S::ONE).min(far);

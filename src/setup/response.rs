@@ -34,6 +34,11 @@ impl Response {
         }
     }
 
+    /// Whether there is no curve to undo.
+    pub(crate) const fn is_identity(&self) -> bool {
+        matches!(self, Self::Unknown | Self::Linear)
+    }
+
     /// Whether the width of an edge follows from its blur alone.
     pub(crate) const fn is_linear(&self) -> bool {
         matches!(self, Self::Linear)

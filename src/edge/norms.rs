@@ -1,0 +1,103 @@
+//! [`Norms`]: what turns inner products over a flank into estimates.
+
+use super::weight::Weight;
+
+/// Sums of squares over the pixels of a flank.
+#[derive(Clone, Copy)]
+pub(super) struct Squares {
+    pixels: u32,
+    slope: u32,
+    slope_slope: u32,
+    widening_widening: u32,
+}
+
+/// What turns inner products over a flank into estimates; made when the library is compiled, unless a neighbour or the border cuts
+/// off a part of the window.
+#[derive(Clone, Copy)]
+pub(super) struct Norms {
+    /// Of the slope with itself.
+    pub(super) slope_slope: i32,
+    /// 2³² over the products of slope and widening with themselves.
+    pub(super) per_slope_q32: u32,
+    pub(super) per_widening_q32: u32,
+    /// 2¹⁶ over the degrees of freedom of what remains, in sixteenths of a pixel.
+    pub(super) per_freedom_q16: u16,
+    /// Sigma of the shift for a unit of noise, in units of b per contrast.
+    pub(super) sigma_q8: u16,
+    /// Sum of the slope, and what a unit of noise in the levels adds to the variance for its square.
+    slope: u16,
+    of_levels_q12: u16,
+}
+
+impl Norms {
+    pub(super) const NONE: Self = Self {
+        slope_slope: 0,
+        per_slope_q32: 0,
+        per_widening_q32: 0,
+        per_freedom_q16: 0,
+        sigma_q8: u16::MAX,
+        slope: 0,
+        of_levels_q12: 0,
+    };
+
+    /// Sigma of the shift as [`Norms::sigma_q8`], where of the product of the slope with itself only a part is left.
+    pub(super) const fn sigma_of_part_q8(&self, slope_slope: i32) -> u16 {
+        if slope_slope < LEAST_SLOPE_SLOPE as i32 {
+            return u16::MAX;
+        }
+        sigma_q8(self.slope as u32, slope_slope as u32, self.of_levels_q12 as u32)
+    }
+
+    /// Whether both flanks are in view.
+    pub(super) const fn shows_edge(&self) -> bool {
+        self.slope_slope >= LEAST_SLOPE_SLOPE as i32 && self.per_freedom_q16 > 0
+    }
+}
+
+impl Squares {
+    pub(super) const NONE: Self = Self { pixels: 0, slope: 0, slope_slope: 0, widening_widening: 0 };
+
+    pub(super) const fn with(self, weight: &Weight) -> Self {
+        let (slope, widening) = (weight.slope as u32, weight.widening.unsigned_abs() as u32);
+        Self {
+            pixels: self.pixels + 1,
+            slope: self.slope + slope,
+            slope_slope: self.slope_slope + slope * slope,
+            widening_widening: self.widening_widening + widening * widening,
+        }
+    }
+
+    /// With plateaus of so many pixels.
+    pub(super) const fn norms(&self, [left, right]: [u32; 2]) -> Norms {
+        if self.pixels < 3 || self.slope_slope < LEAST_SLOPE_SLOPE || left == 0 || right == 0 {
+            return Norms::NONE;
+        }
+        // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width explain a third.
+        let freedom_q4 = 16 * (self.pixels - 2) + 4 * self.pixels / left + 4 * self.pixels / right;
+        let widening_widening = if self.widening_widening > 0 { self.widening_widening } else { 1 };
+        let of_levels_q12 = (1 << 12) / left + (1 << 12) / right;
+        Norms {
+            slope_slope: self.slope_slope as i32,
+            per_slope_q32: u32::MAX / self.slope_slope,
+            per_widening_q32: u32::MAX / widening_widening,
+            per_freedom_q16: ((1 << 16) / freedom_q4) as u16,
+            sigma_q8: sigma_q8(self.slope, self.slope_slope, of_levels_q12),
+            slope: self.slope as u16,
+            of_levels_q12: of_levels_q12 as u16,
+        }
+    }
+}
+
+/// Least product of the slope with itself that shows an edge.
+const LEAST_SLOPE_SLOPE: u32 = 1 << 10;
+
+/// Sigma of the shift in units of b per contrast for a unit of noise, from the noise on the flank and on the plateaus, whose
+/// levels shift the edge when they are wrong: with S the slope and n pixels on a plateau, the root of
+/// 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
+const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
+    let of_flank_q15 = (1 << 31) / slope_slope;
+    let half_q8 = (slope << 15) / slope_slope;
+    let half_q8 = if half_q8 < 511 { half_q8 } else { 511 };
+    let variance_q15 = of_flank_q15 + ((half_q8 * half_q8 * of_levels_q12) >> 13);
+    (variance_q15 << 1).isqrt() as u16
+}

@@ -1,0 +1,71 @@
+//! The numbers of this room that were chosen rather than derived: unit, reason, and the test that breaks without them.
+
+/// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5 % of
+/// the column's noise (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+pub(super) const CLASS_RATIO: (u16, u16) = (23, 20);
+
+/// Blur of a sharp lens, half a pixel, and of the pixel itself, in 1/256 px (`frames::sigma_is_honest`).
+pub(super) const LEAST_BLUR_Q8: u16 = 148;
+
+/// What an edge is taken to be blurred at least before more is known, in 1/256 px: by a usual lens and the pixel
+/// (`frames::sigma_is_honest`).
+pub(super) const USUAL_BLUR_Q8: u16 = 195;
+
+/// Longest blur that is told from a slope of the brightness, in 1/256 px (`frames::bars_are_found_through_long_motion_blur`).
+pub(super) const MOST_BLUR_Q8: u16 = 12 << 8;
+
+/// Variance of a usual lens's blur of 0.7 px, in 1/65536 square pixel; more is motion
+/// (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+pub(super) const LENS_VARIANCE_Q16: i32 = 32113;
+
+/// Beyond this blur, in 1/256 px, the scanner tells the width only roughly, and a row on its own is fitted in several steps
+/// (`frames::bars_are_found_through_long_motion_blur`).
+pub(super) const LONG_BLUR_Q8: u16 = 4 << 8;
+
+/// Pixels of plateau on either side that tell its level, beside as many as the flank's half has: the longer the blur, the more
+/// a wrong level shifts the edge (`frames::sigma_is_honest`).
+pub(crate) const PLATEAU: i32 = 4;
+
+/// Most steps in which levels and blur of an edge are found each from the other: long ones settle in four or five
+/// (`frames::bars_are_found_through_long_motion_blur`).
+pub(super) const MOST_SETTLING_STEPS: usize = 6;
+
+/// Most steps after the first from where an edge is expected to where it is
+/// (`frames::bars_are_found_through_long_motion_blur`).
+pub(super) const MOST_CORRECTIONS: usize = 3;
+
+/// Least contrast of an edge, in 1/256 grey level: the scanner's own (`frames::faint_bars_without_noise_are_not_bent`).
+pub(super) const LEAST_CONTRAST_Q8: i32 = 4 << 8;
+
+/// How far a neighbour may bias the scanner's column of an edge, in 1/65536 px
+/// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
+pub(super) const MOST_DRAWN_Q16: i64 = 5 << 14;
+
+/// An edge that a row shows on its own must be so far from a neighbour, in 1/65536 px: nearer ones hide each other's levels
+/// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
+pub(super) const LEAST_APART_Q16: i64 = 5 << 16;
+
+/// That is decided only where the column's sigma is below this, in 1/65536 px (`frames::faint_and_noisy_bars_are_found`).
+pub(super) const SURE_SIGMA_Q16: u32 = 1 << 13;
+
+/// Rows with texture that make a line one beside texture, probably and surely (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const FEW_TEXTURED_ROWS: u16 = 4;
+pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
+
+/// Rows that the running means of levels, and of blur and their scatter, remember: 2 to these powers
+/// (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+pub(super) const LEVEL_ROWS_LOG2: u32 = 5;
+pub(super) const BLUR_ROWS_LOG2: u32 = 4;
+
+/// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part in so
+/// many, as a power of two (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+pub(super) const LEAST_NOISE_ROWS_LOG2: u32 = 2;
+pub(super) const NOISE_ROWS_LOG2: u32 = 4;
+
+/// Rows, as a power of two, between which the root of the noise changes by less than a tenth of itself: it is taken anew only
+/// then, and in each of the first ones (`frames::sigma_is_honest`).
+pub(super) const RENEWAL_ROWS_LOG2: u32 = 4;
+
+/// A row whose residual variance is so many times that of the rows before shows something else
+/// (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const MOST_RESIDUAL: u32 = 9;
