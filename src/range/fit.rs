@@ -33,6 +33,8 @@ use crate::motion::Motion;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
 
+const PS_PER_S: i64 = 1_000_000_000_000;
+
 /// Bearing, inverse depth and tilt of one edge with their covariance, from at most `N` samples.
 ///
 /// The uncertainty of the setup is part of the covariance; of its limits, that of a bend is used, and its readout tells by how
@@ -123,6 +125,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let Self { setup, prior, .. } = *self;
         let mut observer = Observer::new(setup.camera(), motion, [start.gravity, start.lean]);
         let roughness_px = setup.uncertainty().edge_roughness_px;
+        let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
         for (index, sample) in samples.into_iter().enumerate() {
             let Spread { column_px, row_px, time_s } = sample.spread;
             let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
@@ -130,7 +133,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 return Err(FitError::InvalidSample(index));
             }
             let seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
-            let stretch = Stretch::of(&sample, seen.sigma_px, setup.readout());
+            let stretch = Stretch::of(&sample, seen.sigma_px, rows_per_s);
             let seen = seen.with_sigma(stretch.rough_sigma_px(roughness_px));
             let observation = Observation { is_inlier: !prior.left_out.contains(index), ..seen };
             self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
@@ -167,23 +170,22 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let equations = self.equations.observed.iter();
         for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {
             if observation.is_inlier {
-                let (deviation, sigma_px) = (solution.deviation(equation), observation.sigma_px);
+                let (deviation, per_sigma) = (solution.deviation(equation), observation.per_sigma);
                 // There is room: as many as observations.
-                let _ = residuals.push(Residual { stretch: *stretch, sigma_px, deviation });
+                let _ = residuals.push(Residual { stretch, per_sigma, deviation });
             }
         }
         let roughness_px = self.setup.uncertainty().edge_roughness_px;
-        Wander::of(&residuals, roughness_px, self.prior.width_px).filter(|wander| !wander.is_none())
+        Wander::of::<N>(&residuals, roughness_px, self.prior.width_px)
     }
 
     fn goodness_of_fit(&self, solved: &Solved<S>) -> GoodnessOfFit<S> {
         // Knots are means over curved arcs: what that costs is no sign of a bend.
-        let floor = S::ratio(1, 256);
+        let floor_px2 = S::ratio(1, 256 * 256);
         let kept = self.equations.observed.iter().zip(&self.observations);
         GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {
             let residual_px = solved.solution.deviation(equation) * observation.sigma_px;
-            let sigma_px = (observation.sigma_px * observation.sigma_px + floor * floor).sqrt();
-            (residual_px / sigma_px, residual_px)
+            (residual_px, observation.sigma_px * observation.sigma_px + floor_px2)
         }))
     }
 }

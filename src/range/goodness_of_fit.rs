@@ -18,13 +18,12 @@ impl<S: Scalar> GoodnessOfFit<S> {
     /// Without residuals.
     pub(crate) const NONE: Self = Self { misfit: S::ZERO, departure_px: S::ZERO };
 
-    /// From the residuals, each in units of its noise and in pixels.
+    /// From the residuals in pixels, each with the variance of its noise.
     pub(crate) fn of(residuals: impl Iterator<Item = (S, S)>) -> Self {
-        let cap = S::from_i32(MOST_SIGMAS);
+        let most = S::from_i32(MOST_SIGMAS * MOST_SIGMAS);
         let (mut count, mut squares, mut departure_px) = (0, S::ZERO, S::ZERO);
-        for (residual, residual_px) in residuals {
-            let residual = residual.min(cap).max(-cap);
-            squares = squares + residual * residual;
+        for (residual_px, variance_px2) in residuals {
+            squares = squares + (residual_px * residual_px / variance_px2).min(most);
             departure_px = departure_px.max(residual_px.abs());
             count += 1;
         }

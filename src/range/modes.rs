@@ -2,59 +2,68 @@
 
 use heapless::Vec;
 
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, over};
 
-/// Polynomials of the row, orthonormal over the samples with their weights: a constant, a slope, a bow, and so on. Each
-/// item has one value for each sample, in units of its sigma.
+/// Polynomials of the row, orthogonal over the samples with their weights: a constant, a slope, a bow, and so on, one after
+/// the other. Each has one value for each sample, in units of its sigma.
 ///
 /// *Source*: the three-term recurrence of discrete orthogonal polynomials (Forsythe 1957).
 pub(super) struct Modes<S, const N: usize> {
     /// Along the edge, −1 to 1 from the first sample to the last.
     places: Vec<S, N>,
-    current: Vec<S, N>,
-    before: Vec<S, N>,
-    /// Length of the current one before it was normalised.
-    length: S,
+    /// The values of the current mode and of the one before.
+    values: Vec<[S; 2], N>,
+    /// One over the sum of the squares of the current mode's values.
+    per_square: S,
+    /// Mean place of the current mode, weighted with its squares, and its sum of squares over that of the mode before.
+    recurrence: [S; 2],
 }
 
 impl<S: Scalar, const N: usize> Modes<S, N> {
-    /// From the place and sigma of each sample, in the order of readout. The first and the last place differ.
+    /// The constant, from the place of each sample and the reciprocal of its sigma, in the order of readout. The first and
+    /// the last place differ.
     pub(super) fn new(samples: impl Iterator<Item = (S, S)>) -> Self {
-        let (mut places, mut sigmas): (Vec<S, N>, Vec<S, N>) = (Vec::new(), Vec::new());
-        for (place, sigma) in samples {
+        let (mut places, mut values): (Vec<S, N>, Vec<[S; 2], N>) = (Vec::new(), Vec::new());
+        for (place, per_sigma) in samples {
             // There is room: as many as observations of a line.
-            let _ = (places.push(place), sigmas.push(sigma));
+            let _ = (places.push(place), values.push([per_sigma, S::ZERO]));
         }
         let (first, last) = (places.first().copied(), places.last().copied());
         let [first, last] = [first, last].map(|place| place.unwrap_or(S::ZERO));
-        let (middle, half) = ((first + last) * S::ratio(1, 2), (last - first) * S::ratio(1, 2));
-        places.iter_mut().for_each(|place| *place = (*place - middle) / half);
-        // Relative to the smallest sigma, so that fixed point has room.
-        let least = sigmas.iter().copied().reduce(S::min).unwrap_or(S::ONE);
-        sigmas.iter_mut().for_each(|sigma| *sigma = least / *sigma);
-        let mut modes = Self { places, current: sigmas, before: Vec::new(), length: S::ZERO };
-        modes.normalise();
+        let (middle, per_half) = ((first + last).half(), S::ONE / (last - first).half());
+        places.iter_mut().for_each(|place| *place = (*place - middle) * per_half);
+        let mut modes = Self { places, values, per_square: S::ZERO, recurrence: [S::ZERO; 2] };
+        modes.measure();
         modes
     }
 
-    fn normalise(&mut self) {
-        self.length = self.current.iter().fold(S::ZERO, |sum, part| sum + *part * *part).sqrt();
-        self.current.iter_mut().for_each(|part| *part = *part / self.length);
+    /// The values of the current mode.
+    pub(super) fn values(&self) -> impl Iterator<Item = S> + Clone {
+        self.values.iter().map(|[value, _]| *value)
     }
-}
 
-impl<S: Scalar, const N: usize> Iterator for Modes<S, N> {
-    type Item = Vec<S, N>;
+    /// One over the sum of their squares; zero where there are no more modes than samples at different places.
+    pub(super) fn per_square(&self) -> S {
+        self.per_square
+    }
 
-    fn next(&mut self) -> Option<Vec<S, N>> {
-        let mode = self.current.clone();
-        let mean = mode.iter().zip(&self.places).fold(S::ZERO, |sum, (part, place)| sum + *part * *part * *place);
-        for (index, (part, place)) in self.current.iter_mut().zip(&self.places).enumerate() {
-            let before = self.before.get(index).copied().unwrap_or(S::ZERO);
-            *part = *part * (*place - mean) - before * self.length;
+    /// Goes on to the next mode.
+    pub(super) fn advance(&mut self) {
+        let [mean, growth] = self.recurrence;
+        for ([value, before], place) in self.values.iter_mut().zip(&self.places) {
+            (*value, *before) = (*value * (*place - mean) - *before * growth, *value);
         }
-        self.normalise();
-        self.before.clone_from(&mode);
-        Some(mode)
+        self.measure();
+    }
+
+    fn measure(&mut self) {
+        let (mut sum, mut moment) = (S::ZERO, S::ZERO);
+        for ([value, _], place) in self.values.iter().zip(&self.places) {
+            let square = *value * *value;
+            (sum, moment) = (sum + square, moment + square * *place);
+        }
+        let per_square_before = self.per_square;
+        self.per_square = over(sum);
+        self.recurrence = [moment * self.per_square, sum * per_square_before];
     }
 }

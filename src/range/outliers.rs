@@ -23,12 +23,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(solved)
     }
 
-    /// Whether a sample deviates so much that it may be an outlier.
+    /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is to say
+    /// that most samples deviate by less than a third of that.
     fn has_suspicious_samples(&self, solution: &Solution<S>) -> bool {
         let sizes = self.deviations(solution, &[]);
-        let most = sizes.iter().copied().fold(S::ZERO, S::max);
-        let suspicious = S::from_i32(SUSPICIOUS);
-        most > suspicious * least_scale() && most > suspicious * robust_scale_of(&sizes)
+        let part = sizes.iter().copied().fold(S::ZERO, S::max) * S::ratio(1, SUSPICIOUS);
+        part > least_scale() && is_beyond_robust_scale(part, &sizes)
     }
 
     /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
@@ -93,7 +93,11 @@ fn least_scale<S: Scalar>() -> S {
 /// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is needed,
 /// which could panic.
 pub(crate) fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
-    let below = |limit: S| sizes.iter().filter(|size| **size < limit).count();
-    let usual = sizes.iter().copied().filter(|size| 3 * below(*size) <= 2 * sizes.len()).reduce(S::max);
+    let usual = sizes.iter().copied().filter(|size| !is_beyond_robust_scale(*size, sizes)).reduce(S::max);
     usual.unwrap_or(S::ONE).max(least_scale())
+}
+
+/// Whether more than two thirds of the deviations are smaller.
+fn is_beyond_robust_scale<S: Scalar>(limit: S, sizes: &[S]) -> bool {
+    3 * sizes.iter().filter(|size| **size < limit).count() > 2 * sizes.len()
 }

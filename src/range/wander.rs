@@ -6,10 +6,7 @@ use super::goodness_of_fit::chance_limit;
 use super::modes::Modes;
 use super::sample::Sample;
 use super::tuning::{LONGEST_WANDER, MOST_SIGMAS, NOISY_SIGMAS, ROUGHNESS_ROWS, WANDER_MODES, WANDERING_SIGMAS};
-use crate::scalar::{Scalar, hypot};
-use crate::setup::Readout;
-
-const PS_PER_S: i64 = 1_000_000_000_000;
+use crate::scalar::{Scalar, over};
 
 /// Bearing and inverse depth, which the residuals do not show.
 const SPENT: usize = 2;
@@ -20,62 +17,65 @@ pub(super) struct Stretch<S> {
     column_px: S,
     /// In rows, by its time.
     place: S,
-    /// Number of rows, at least one.
+    /// Number of rows, at least one, and one over it.
     rows: S,
+    per_row: S,
     /// Stated noise of the mean.
     noise_px: S,
 }
 
 impl<S: Scalar> Stretch<S> {
-    pub(super) fn of(sample: &Sample<S>, noise_px: S, readout: &Readout) -> Self {
+    pub(super) fn of(sample: &Sample<S>, noise_px: S, rows_per_s: S) -> Self {
         let &Sample { column_px, time_s, spread, .. } = sample;
-        let line_time_s = S::from_ratio(readout.line_time_ps() as i64, PS_PER_S);
         // n rows have a variance of n²/12.
-        let rows = (spread.row_px * S::from_i32(12).sqrt()).max(S::ONE);
-        Self { column_px, place: time_s / line_time_s, rows, noise_px }
+        let rows = (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE);
+        Self { column_px, place: time_s * rows_per_s, rows, per_row: over(rows), noise_px }
     }
 
-    /// Noise of the mean and wander that is alike over a number of rows. Within these averaging does not reduce it, and
-    /// shorter stretches share it with their neighbours.
-    fn sigma_px(&self, noise_px: S, wander_px: S, alike_rows: S) -> S {
-        if wander_px == S::ZERO {
-            return noise_px;
-        }
-        hypot(noise_px, wander_px * (alike_rows / self.rows).max(S::ONE).sqrt())
+    /// Of a wander of 1 px that is alike over a number of rows. Within these averaging does not reduce it, and shorter
+    /// stretches share it with their neighbours.
+    fn variance_of_wander(&self, alike_rows: S) -> S {
+        (alike_rows * self.per_row).max(S::ONE)
     }
 
     /// With the roughness that is stated.
     pub(super) fn rough_sigma_px(&self, roughness_px: S) -> S {
-        self.sigma_px(self.noise_px, roughness_px, S::from_i32(ROUGHNESS_ROWS))
+        if roughness_px == S::ZERO {
+            return self.noise_px;
+        }
+        let of_roughness = self.variance_of_wander(S::from_i32(ROUGHNESS_ROWS)) * roughness_px * roughness_px;
+        (self.noise_px * self.noise_px + of_roughness).sqrt()
     }
 }
 
 /// The residual of a stretch in units of the sigma that the fit has used.
-pub(super) struct Residual<S> {
-    pub(super) stretch: Stretch<S>,
-    pub(super) sigma_px: S,
+pub(super) struct Residual<'a, S> {
+    pub(super) stretch: &'a Stretch<S>,
+    pub(super) per_sigma: S,
     pub(super) deviation: S,
 }
 
 /// The errors of an edge's columns: white noise, and a wander whose correlation falls off exponentially along the edge (a
 /// Gauss-Markov process).
 pub(super) struct Wander<S> {
-    /// Factor on the stated noise.
+    /// Factor on the stated variance of the noise.
     noise: S,
-    wander_px: S,
+    /// Variance in square pixels.
+    wander_px2: S,
     /// Integral of the correlation over the rows on both sides.
     alike_rows: S,
-    /// Factor on all sigmas that gives the slope through the stretches the sigma of correlated errors.
+    /// Factor on all variances that gives the slope through the stretches the sigma of correlated errors.
     inflation: S,
 }
 
 impl<S: Scalar> Wander<S> {
-    /// From the residuals of one fit, in the order of readout. `blur_px` is that of the edge.
+    /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated. `blur_px` is
+    /// that of the edge.
     ///
     /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge alike
     /// until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in the
     /// residuals, their modes are compared with what such a process leaves in them.
-    pub(super) fn of<const N: usize>(residuals: &Vec<Residual<S>, N>, roughness_px: S, blur_px: S) -> Option<Self> {
+    pub(super) fn of<const N: usize>(residuals: &[Residual<'_, S>], roughness_px: S, blur_px: S) -> Option<Self> {
         let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
         let extent = (last.place - first.place).abs();
         if residuals.len() <= SPENT || extent == S::ZERO {
@@ -86,32 +86,51 @@ impl<S: Scalar> Wander<S> {
         let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
         let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
         let alike_rows = crossing_rows.min(longest).max(S::from_i32(ROUGHNESS_ROWS));
-        let kernel = Kernel::new(residuals, alike_rows);
+        let kernel = Kernel::<S, N>::new(residuals, alike_rows);
         let shown = Shown::of(residuals, &kernel);
-        let wander_px = shown.wander_px(residuals, roughness_px);
-        let wander = Self { noise: shown.noise, wander_px, alike_rows, inflation: S::ONE };
-        Some(Self { inflation: wander.inflation_with(residuals, &kernel)?, ..wander })
+        let wander_px2 = shown.wander_px2(residuals, roughness_px);
+        if shown.noise == S::ONE && wander_px2 == S::ZERO {
+            return None;
+        }
+        let wander = Self { noise: shown.noise, wander_px2, alike_rows, inflation: S::ONE };
+        Some(Self { inflation: wander.inflation_with(residuals, &kernel), ..wander })
+    }
+
+    fn noise_px2(&self, stretch: &Stretch<S>) -> S {
+        stretch.noise_px * stretch.noise_px * self.noise
+    }
+
+    fn variance_px2(&self, stretch: &Stretch<S>) -> S {
+        self.noise_px2(stretch) + self.wander_px2 * stretch.variance_of_wander(self.alike_rows)
     }
 
     /// Sigma of a stretch such that a fit that takes it for white noise states the right one for the slope.
     pub(super) fn sigma_px(&self, stretch: &Stretch<S>) -> S {
-        stretch.sigma_px(stretch.noise_px * self.noise, self.wander_px, self.alike_rows) * self.inflation
+        (self.variance_px2(stretch) * self.inflation).sqrt()
     }
 
-    /// Whether the errors are white noise as stated.
-    pub(super) fn is_none(&self) -> bool {
-        self.noise == S::ONE && self.wander_px == S::ZERO
-    }
-
-    fn inflation_with<const N: usize>(&self, residuals: &Vec<Residual<S>, N>, kernel: &Kernel<S, N>) -> Option<S> {
-        let sigmas = residuals.iter().map(|residual| self.sigma_px(&residual.stretch));
-        let slope = Modes::<S, N>::new(residuals.iter().map(|residual| residual.stretch.place).zip(sigmas)).nth(1)?;
-        let weighted = slope.iter().zip(residuals).map(|(part, residual)| *part / self.sigma_px(&residual.stretch));
-        let noise = residuals.iter().map(|residual| residual.stretch.noise_px * self.noise);
-        let of_noise = weighted.clone().zip(noise).map(|(part, noise_px)| part * noise_px);
-        let of_noise = of_noise.fold(S::ZERO, |sum, part| sum + part * part);
-        let of_wander = kernel.variance(weighted.map(|part| part * self.wander_px));
-        Some((of_noise + of_wander).sqrt())
+    /// Variance of the slope through the stretches over what a fit with their variances states.
+    fn inflation_with<const N: usize>(&self, residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>) -> S {
+        let none = S::ZERO;
+        let (mut weights, mut moment, mut leverages) = (none, none, Vec::<(S, S), N>::new());
+        let middle = residuals.get(residuals.len() / 2).map_or(none, |residual| residual.stretch.place);
+        for Residual { stretch, .. } in residuals {
+            let (place, weight) = (stretch.place - middle, over(self.variance_px2(stretch)));
+            (weights, moment) = (weights + weight, moment + weight * place);
+            // There is room: as many as residuals.
+            let _ = leverages.push((place, weight));
+        }
+        let mean = moment * over(weights);
+        let (mut stated, mut of_noise) = (none, none);
+        for ((place, weight), residual) in leverages.iter_mut().zip(residuals) {
+            let off = *place - mean;
+            let leverage = *weight * off;
+            (stated, of_noise) =
+                (stated + leverage * off, of_noise + leverage * leverage * self.noise_px2(residual.stretch));
+            *weight = leverage;
+        }
+        let of_wander = kernel.variance(leverages.iter().map(|(_, leverage)| *leverage)) * self.wander_px2;
+        (of_noise + of_wander) * over(stated)
     }
 }
 
@@ -122,16 +141,23 @@ struct Kernel<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Kernel<S, N> {
-    fn new(residuals: &Vec<Residual<S>, N>, alike_rows: S) -> Self {
-        let length = alike_rows * S::ratio(1, 2);
-        let mut links = Vec::new();
+    fn new(residuals: &[Residual<'_, S>], alike_rows: S) -> Self {
+        let (length, mut links) = (alike_rows.half(), Vec::new());
+        let (per_length, length_of_three) = (over(length), length * S::from_i32(3));
         let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.place);
+        let (mut per_row, mut kept) = (S::ZERO, S::ZERO);
         for Residual { stretch, .. } in residuals {
-            let lengths = (stretch.place - before).abs() / length;
+            let lengths = (stretch.place - before).abs() * per_length;
             before = stretch.place;
-            // About e^−x, and never below zero. The mean over n rows of such a process keeps 1/(1 + n/3) of its variance.
-            let correlation = S::ONE / (S::ONE + lengths + lengths * lengths * S::ratio(1, 2));
-            let kept = S::ONE / (S::ONE + stretch.rows / (length * S::from_i32(3))).sqrt();
+            // About e^−x, and never below zero.
+            let correlation = S::ONE / (S::ONE + lengths + (lengths * lengths).half());
+            // Most stretches have as many rows as the one before.
+            if stretch.per_row != per_row {
+                per_row = stretch.per_row;
+                // The mean over n rows of such a process keeps 1/(1 + n/3) of its variance.
+                let thirds = length_of_three * per_row;
+                kept = (thirds / (S::ONE + thirds)).sqrt();
+            }
             // There is room: as many as residuals.
             let _ = links.push((correlation, kept));
         }
@@ -153,7 +179,7 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
 
 /// What the residuals show.
 struct Shown<S> {
-    /// Factor on the stated noise.
+    /// Factor on the stated variance of the noise.
     noise: S,
     /// Share of the stated noise that changes from stretch to stretch.
     share: S,
@@ -165,64 +191,67 @@ struct Shown<S> {
 }
 
 impl<S: Scalar> Shown<S> {
-    fn of<const N: usize>(residuals: &Vec<Residual<S>, N>, kernel: &Kernel<S, N>) -> Self {
+    fn of<const N: usize>(residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>) -> Self {
         let none = S::ZERO;
         let modes = residuals.len().saturating_sub(SPENT + SPENT).min(WANDER_MODES);
         let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise: none, of_wander: none, modes };
         let cap = S::from_i32(MOST_SIGMAS);
-        let deviations = || residuals.iter().map(|residual| residual.deviation.min(cap).max(-cap));
-        let mut rest = deviations().fold(none, |sum, off| sum + off * off);
-        let places = residuals.iter().map(|residual| (residual.stretch.place, residual.sigma_px));
-        for (order, mode) in Modes::<S, N>::new(places).take(SPENT + modes).enumerate() {
-            let along = mode.iter().zip(deviations()).fold(none, |sum, (part, off)| sum + *part * off);
-            rest = rest - along * along;
-            if order < SPENT {
-                continue;
-            }
-            let parts = || mode.iter().zip(residuals);
-            let of_noise = parts().map(|(part, residual)| *part * residual.relative_noise());
-            shown.power = shown.power + along * along;
-            shown.of_noise = shown.of_noise + of_noise.fold(none, |sum, part| sum + part * part);
-            shown.of_wander =
-                shown.of_wander + kernel.variance(parts().map(|(part, residual)| *part / residual.sigma_px));
+        let (mut rest, mut stated) = (none, none);
+        // Deviation and stated noise in units of the sigma that the fit has used.
+        let mut relative: Vec<(S, S), N> = Vec::new();
+        for residual in residuals {
+            let off = residual.deviation.min(cap).max(-cap);
+            let noise = residual.stretch.noise_px * residual.per_sigma;
+            (rest, stated) = (rest + off * off, stated + noise * noise);
+            // There is room: as many as residuals.
+            let _ = relative.push((off, noise));
         }
-        shown.judge_noise(residuals, rest);
+        let places = residuals.iter().map(|residual| (residual.stretch.place, residual.per_sigma));
+        let mut mode = Modes::<S, N>::new(places);
+        for order in 0..SPENT + modes {
+            if order > 0 {
+                mode.advance();
+            }
+            let along = mode.values().zip(&relative).fold(none, |sum, (part, (off, _))| sum + part * *off);
+            let power = along * along * mode.per_square();
+            rest = rest - power;
+            if order >= SPENT {
+                let of_noise = mode.values().zip(&relative).map(|(part, (_, noise))| part * *noise);
+                let of_noise = of_noise.fold(none, |sum, part| sum + part * part);
+                let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.per_sigma);
+                shown.power = shown.power + power;
+                shown.of_noise = shown.of_noise + of_noise * mode.per_square();
+                shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
+            }
+        }
+        shown.judge_noise(residuals.len(), rest, stated);
         shown
     }
 
-    /// What changes from stretch to stretch is noise.
-    fn judge_noise<const N: usize>(&mut self, residuals: &Vec<Residual<S>, N>, rest: S) {
-        let count = residuals.len();
+    /// What changes from stretch to stretch is noise. `rest` is left of the squares beside the modes, and `stated` the sum of
+    /// the stated ones.
+    fn judge_noise(&mut self, count: usize, rest: S, stated: S) {
         let spare = S::from_i32(count.saturating_sub(SPENT + self.modes) as i32);
-        let stated = residuals.iter().map(Residual::relative_noise).fold(S::ZERO, |sum, part| sum + part * part);
         let rest = rest.max(S::ZERO) / spare;
         self.share = rest * S::from_i32(count as i32) / stated;
         if rest > chance_limit(spare, S::from_i32(NOISY_SIGMAS)) {
-            self.noise = self.share.max(S::ONE).sqrt();
+            self.noise = self.share.max(S::ONE);
         }
     }
 
-    /// One sigma of the wander.
-    fn wander_px<const N: usize>(&self, residuals: &Vec<Residual<S>, N>, roughness_px: S) -> S {
-        let of_noise = self.of_noise * self.noise * self.noise;
-        let shown_px = ((self.power - of_noise).max(S::ZERO) / self.of_wander).sqrt();
-        let shown_px = if self.of_wander > S::ZERO { shown_px } else { S::ZERO };
+    /// Variance of the wander.
+    fn wander_px2(&self, residuals: &[Residual<'_, S>], roughness_px: S) -> S {
+        let of_noise = self.of_noise * self.noise;
+        let shown_px2 = (self.power - of_noise).max(S::ZERO) * over(self.of_wander);
         if roughness_px == S::ZERO {
             let is_chance =
                 self.power <= of_noise * chance_limit(S::from_i32(self.modes as i32), S::from_i32(WANDERING_SIGMAS));
-            return if is_chance { S::ZERO } else { shown_px };
+            return if is_chance { S::ZERO } else { shown_px2 };
         }
         // Noise is measured along the row. As far as it does not change from row to row it belongs to the columns.
-        let of_row = |residual: &Residual<S>| residual.stretch.noise_px * residual.stretch.rows.sqrt();
-        let squares = residuals.iter().map(of_row).fold(S::ZERO, |sum, noise| sum + noise * noise);
+        let of_row = |Residual { stretch, .. }: &Residual<'_, S>| stretch.noise_px * stretch.noise_px * stretch.rows;
+        let squares = residuals.iter().map(of_row).fold(S::ZERO, |sum, square| sum + square);
         let of_columns = squares / S::from_i32(residuals.len() as i32) * (S::ONE - self.share).max(S::ZERO);
-        hypot(roughness_px, of_columns.sqrt()).max(shown_px)
-    }
-}
-
-impl<S: Scalar> Residual<S> {
-    /// Stated noise in units of the sigma that the fit has used.
-    fn relative_noise(&self) -> S {
-        self.stretch.noise_px / self.sigma_px
+        (roughness_px * roughness_px + of_columns).max(shown_px2)
     }
 }
