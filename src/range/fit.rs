@@ -27,6 +27,7 @@ use super::problem::{Problem, Solved};
 use super::sample::{Sample, Spread};
 use super::settled::Settled;
 use super::status::RangeStatus;
+use super::tuning::NO_BEND_SIGMAS;
 use super::wander::{Residual, Stretch, Wander};
 use crate::error::FitError;
 use crate::motion::Motion;
@@ -93,10 +94,12 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     let solved = problem.settle_without_outliers(solved)?;
     let goodness_of_fit = problem.goodness_of_fit(&solved);
     let solved = problem.settle_with_wander(solved)?;
-    let Solved { at, line3, solution, is_in_front } = &solved;
+    let Solved { at, line3, solution, is_in_front, has_settled } = &solved;
     let Problem { observations, equations, .. } = &problem;
     let sensitivity = Settled { setup, motion, prior, observations, equations, at, solution }.sensitivity();
-    let state = LineState { line3: *line3, covariance: solution.covariance(), sensitivity };
+    // Between several places the rounds tell nothing of the depth.
+    let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
+    let state = LineState { line3: *line3, covariance: solution.covariance().and(unsettled), sensitivity };
     let estimate = Estimate::new(&state, setup, &goodness_of_fit);
     if !estimate.is_finite() {
         return Err(FitError::Diverged);
@@ -183,7 +186,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {
             let residual_px = solved.solution.deviation(equation) * observation.sigma_px;
             let sigma_px = (observation.sigma_px * observation.sigma_px + floor * floor).sqrt();
-            (residual_px / sigma_px, residual_px)
+            let noise_px = observation.sigma_px * S::from_i32(NO_BEND_SIGMAS);
+            (residual_px / sigma_px, residual_px.abs() - noise_px)
         }))
     }
 }

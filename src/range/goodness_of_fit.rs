@@ -7,7 +7,7 @@ use crate::scalar::Scalar;
 pub(crate) struct GoodnessOfFit<S> {
     /// Root mean square of the residuals in units of the stated noise.
     pub(crate) misfit: S,
-    /// Largest residual in pixels.
+    /// Largest departure from a straight line in pixels, beyond what noise explains.
     pub(crate) departure_px: S,
 }
 
@@ -18,14 +18,14 @@ impl<S: Scalar> GoodnessOfFit<S> {
     /// Without residuals.
     pub(crate) const NONE: Self = Self { misfit: S::ZERO, departure_px: S::ZERO };
 
-    /// From the residuals, each in units of its noise and in pixels.
+    /// From the residuals, each in units of its noise, and how far it departs in pixels beyond noise.
     pub(crate) fn of(residuals: impl Iterator<Item = (S, S)>) -> Self {
         let cap = S::from_i32(MOST_SIGMAS);
         let (mut count, mut squares, mut departure_px) = (0, S::ZERO, S::ZERO);
-        for (residual, residual_px) in residuals {
+        for (residual, bend_px) in residuals {
             let residual = residual.min(cap).max(-cap);
             squares = squares + residual * residual;
-            departure_px = departure_px.max(residual_px.abs());
+            departure_px = departure_px.max(bend_px);
             count += 1;
         }
         if count <= SPENT {
