@@ -53,6 +53,8 @@ mod sensor_setup;
 mod sensor_transactions;
 mod sequence;
 mod vertical;
+mod table_size;
+mod textured_sequence;
 mod simulator;
 mod statuses;
 mod symmetries;

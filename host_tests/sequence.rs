@@ -36,6 +36,30 @@ fn five_frames_tell_tilt_from_distance() {
     check::<Q32>();
 }
 
+/// An edge that is stated to be upright stays so in every frame, however badly the rotation is known: no tilt is fitted.
+#[test]
+fn what_is_stated_to_be_upright_stays_upright() {
+    fn check<S: Scalar>() {
+        let uncertainty =
+            tilt_of::<S>(0.0).with_sigma_rate_rad_s(S::from_f64(0.005)).with_sigma_speed(S::from_f64(0.01));
+        for (path, number) in [[0.0; 3], [0.03, 0.1, -0.02]].into_iter().zip(40..) {
+            let path = Path { rate_rad_s: path, ..Path::straight([-1.5, 0.0, 0.3]) };
+            let journey = Journey { path, ..Journey::vga() };
+            let off = Disturbance { rate_rad_s: [0.003, 0.004, -0.005], ..Disturbance::default() };
+            let found = follow::<S>(&journey, off, uncertainty, &Post::at(0.1, 2.0), 6, &mut seed(number));
+            for (frame, (range, _, normal)) in (0..).zip(&found) {
+                let estimate = &range.estimate;
+                assert_eq!((range.status, range.frames), (RangeStatus::Ok, frame + 1));
+                assert_eq!((estimate.tilt.to_f64(), estimate.sigma_tilt.to_f64()), (0.0, 0.0), "{frame}: {estimate:?}");
+                assert!(normal.abs() < MOST_SIGMAS, "frame {frame}: {normal} sigma");
+            }
+        }
+    }
+    check::<f64>();
+    check::<f32>();
+    check::<Q32>();
+}
+
 /// A speed of its own: relative to the camera, the object's velocity is the difference.
 fn overtaken(frames: u32, path: impl Fn(u32) -> Path) -> Vec<Range<f64>> {
     let random = &mut seed(5);

@@ -2,6 +2,7 @@
 
 use shutter_range::{EdgePoint, Interval, Line, MotionBlur, Range, RangeStatus, Response, Sigmas, Uncertainty};
 
+use crate::journey::{normal, seed};
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
 
@@ -61,6 +62,25 @@ fn a_slope_against_the_motion_is_inconsistent() {
     let range = range_of::<f32>(&against, tilt_of(TENTH_DEGREE), &scene.points());
     assert_eq!(range.status, RangeStatus::Inconsistent);
     assert!(range.depth(Sigmas(2.0)).estimate_m.is_none());
+}
+
+/// A dozen noisy rows, each a knot by itself: in one line of five one of them departs by more than the limit, by chance.
+#[test]
+fn noise_is_no_bend() {
+    const NOISE_PX: f64 = 0.6;
+    let scene = Scene::vga();
+    let random = &mut seed(70);
+    let mut departed = 0;
+    for _ in 0..400 {
+        let off: Vec<_> = (0..12).map(|_| NOISE_PX * normal(random)).collect();
+        departed += u32::from(off.iter().any(|off| off.abs() > 1.5));
+        let point =
+            |(row, off): (u16, &f64)| scene.point_at(row, scene.column(row) + off).with_sigma_q16(q16(NOISE_PX) as u32);
+        let points: Vec<_> = (0..).zip(&off).map(point).collect();
+        let range = range_of::<f64>(&scene, tilt_of(TENTH_DEGREE), &points);
+        assert!(!range.estimate.bent, "{off:?}: {range:?}");
+    }
+    assert!(departed > 40, "{departed}");
 }
 
 /// The edge of the scene with a bow: `sagitta_px` between its ends and its middle.

@@ -1,10 +1,14 @@
 //! The vertical, learned from several frames or fitted to one.
 
-use shutter_range::{Line, Motion, MotionBlur, Pose, RangeStatus, Sequence, Setup, Uncertainty, Vertical};
+use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Truth};
+use shutter_range::{
+    Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Response, Sequence, Setup, Twist, Uncertainty, Vertical,
+};
 
-use crate::journey::{Disturbance, Journey, Known, Path, Post, SequenceRanger, errors, seed};
-use crate::projection::Vector;
+use crate::journey::{Disturbance, Journey, Known, Path, Post, SequenceRanger, errors, normal, seed};
+use crate::projection::{self, Vector};
 use crate::scenes::TENTH_DEGREE;
+use crate::score::rms;
 
 /// A motion as it is known but for gravity.
 struct Assumed {
@@ -103,6 +107,106 @@ fn a_sequence_learns_the_vertical() {
         }
         assert!(told >= 6, "{told} posts told");
     }
+}
+
+/// 0.03° as a slope.
+const LEAN: f64 = 0.3 * TENTH_DEGREE;
+
+/// A frame of eight short faint bars, sixteen edges, that a camera with a wide lens takes with 8 ms of exposure, rolled and
+/// pitched by `attitude`.
+struct Exposed {
+    lines: Vec<Line<16>>,
+    truth: Vec<Truth>,
+    setup: Setup<f64>,
+    motion: Twist<f32>,
+}
+
+impl Exposed {
+    fn new(attitude: [f64; 2], number: u64) -> Self {
+        let random = &mut seed(number);
+        let world = projection::Scene { focal_px: 300.0, ..projection::Scene::vga() };
+        let [roll, pitch] = attitude;
+        let motion = Twist::new([-3.0, 0.0, 0.0], [0.0; 3], [roll, 1.0, pitch].map(|part| part as f32)).expect("sound");
+        let exposure = Exposure { time_s: 0.008, ..Exposure::default() };
+        let mut scene = Scene::<8>::new(Background::plain(140.0)).expect("sound background");
+        for place in 0..8_u8 {
+            let lean = (LEAN * normal(random)) as f32;
+            let bearing = -0.95 + 0.26 * f32::from(place);
+            let bar = Bar::upright(bearing, 1.7 + 0.1 * f32::from(place * 3 % 8), 0.1, 110.0)
+                .between(-0.3, 0.3)
+                .leaning(lean);
+            scene.push(bar).expect("a sound bar");
+        }
+        let blur = MotionBlur::from_calibrated_lens(0.008_f64, 0.7);
+        let setup = world.setup_with::<f64>(Uncertainty::NONE.with_sigma_tilt(LEAN).with_edge_roughness_px(0.03));
+        let setup = setup.with_response(Response::Linear).with_motion_blur(blur).expect("sound blur");
+        let camera = world.setup::<f32>();
+        let simulator =
+            Simulator::new(&scene, camera.camera(), camera.readout(), &motion, exposure, number).expect("sound");
+        let mut ranger = Box::new(Ranger::<32, 16, 128>::new());
+        let mut pixels = [0; 640];
+        for row in 0..480 {
+            simulator.row(row, &mut pixels);
+            ranger.row(&setup, row, &pixels).expect("rows in order");
+        }
+        ranger.end_frame(&setup);
+        let lines = std::iter::from_fn(|| ranger.next_line()).collect();
+        Self { lines, truth: simulator.truth().collect(), setup, motion }
+    }
+
+    /// Errors of the edges' inverse depths, as a share and in sigmas, with this vertical.
+    fn errors(&self, vertical: &Vertical<f64>) -> Vec<(f64, f64)> {
+        let (setup, motion) = (with_gravity(&self.setup, vertical), self.known(vertical));
+        let ranges = self.lines.iter().map(|line| Range::from_line(&setup, &motion, line));
+        let error = |range: Range<f64>| {
+            let near = |truth: &&Truth| {
+                truth.polarity == range.polarity && (truth.bearing - range.estimate.bearing).abs() < 0.02
+            };
+            let truth = self.truth.iter().find(near)?;
+            let off = range.estimate.inverse_depth_per_m - 1.0 / truth.depth_m;
+            Some((off * truth.depth_m, off / range.estimate.sigma_inverse_depth_per_m))
+        };
+        ranges.filter_map(error).collect()
+    }
+
+    fn known(&self, vertical: &Vertical<f64>) -> Twist<f64> {
+        Twist::new(self.motion.velocity_m_s().map(f64::from), [0.0; 3], vertical.gravity()).expect("sound")
+    }
+}
+
+/// Blur tells the leans of a single frame's edges apart from their distances, and what the leans have in common is roll and
+/// pitch: each within its sigma. With them the distances are a little better than with a camera that is only said to be level: what
+/// all blurs have in common, of the lens and of the edges' shape, looks like roll.
+#[test]
+fn a_single_frame_with_blur_tells_the_vertical() {
+    let level = Vertical::level();
+    let (mut angles, mut before, mut after) = (Vec::new(), Vec::new(), Vec::new());
+    for number in 0..24 {
+        let random = &mut seed(60 + number);
+        let attitude = [0.05 * normal(random), 0.08 * normal(random)];
+        let frame = Exposed::new(attitude, number);
+        let fitted = Vertical::fit(&with_gravity(&frame.setup, &level), &frame.known(&level), &frame.lines);
+        let fitted = fitted.unwrap_or_else(|| panic!("{number}: no vertical from {} lines", frame.lines.len()));
+        let down = frame.motion.gravity().map(f64::from);
+        let [roll, _, pitch] = std::array::from_fn(|axis| fitted.gravity()[axis] - down[axis]);
+        println!(
+            "{number}: {:.3}°, {:.3}° ± {:.3}°",
+            roll.to_degrees(),
+            pitch.to_degrees(),
+            fitted.sigma_rad().to_degrees()
+        );
+        angles.extend([roll, pitch].map(|off| off / fitted.sigma_rad()));
+        before.extend(frame.errors(&level));
+        after.extend(frame.errors(&fitted));
+    }
+    let rms_of = |values: &[(f64, f64)]| (rms(values.iter().map(|v| v.0)), rms(values.iter().map(|v| v.1)));
+    let (level, fitted) = (rms_of(&before), rms_of(&after));
+    println!("angles {:.2} sigma, edges {level:?} level, {fitted:?} fitted", rms(angles.iter().copied()));
+    assert!(angles.iter().all(|off| off.abs() < 4.0), "{angles:?}");
+    // The larger of two sigmas is told: their RMS is below one.
+    assert!((0.3..1.2).contains(&rms(angles.iter().copied())), "{angles:?}");
+    assert!(before.len() >= 300 && after.len() == before.len());
+    assert!(fitted.0 < 0.95 * level.0 && (0.4..1.2).contains(&fitted.1), "{level:?}, {fitted:?}");
 }
 
 /// Without an exposure the lean of all edges looks like their distances: a single frame cannot tell the vertical, and says so.

@@ -28,6 +28,8 @@ impl<S: Scalar> Equation<S> {
 pub(crate) struct Equations<S, const N: usize> {
     pub(crate) observed: Vec<Equation<S>, N>,
     pub(crate) prior: Vec<Equation<S>, MOST_PRIORS>,
+    /// Whether there is a prior for the tilt; without one it is zero, not free.
+    pub(super) has_tilt: bool,
     /// What solving has subtracted from q, w and y so far, for each unit of `one`.
     pub(super) centre: [S; 3],
 }
@@ -37,12 +39,13 @@ pub(crate) const MOST_PRIORS: usize = 4;
 
 impl<S: Scalar, const N: usize> Equations<S, N> {
     pub(crate) fn new() -> Self {
-        Self { observed: Vec::new(), prior: Vec::new(), centre: [S::ZERO; 3] }
+        Self { observed: Vec::new(), prior: Vec::new(), has_tilt: false, centre: [S::ZERO; 3] }
     }
 
     pub(crate) fn clear(&mut self) {
         self.observed.clear();
         self.prior.clear();
+        self.has_tilt = false;
         self.centre = [S::ZERO; 3];
     }
 
@@ -54,8 +57,9 @@ impl<S: Scalar, const N: usize> Equations<S, N> {
         self.observed.iter_mut().chain(&mut self.prior)
     }
 
-    /// Whether there is a prior for the tilt; without one it is zero, not free.
-    pub(super) fn has_tilt(&self) -> bool {
-        self.prior.iter().any(|equation| equation.w != S::ZERO)
+    pub(super) fn push_prior(&mut self, equation: Equation<S>) {
+        self.has_tilt |= equation.w != S::ZERO;
+        // There is room: three of a state and one of the blur at most.
+        let _ = self.prior.push(equation);
     }
 }

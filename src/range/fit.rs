@@ -95,10 +95,12 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     let solved = problem.settle_without_outliers(solved)?;
     let goodness_of_fit = problem.goodness_of_fit(&solved);
     let solved = problem.settle_with_wander(solved)?;
-    let Solved { at, line3, solution, is_in_front } = &solved;
+    let Solved { at, line3, solution, is_in_front, has_settled } = &solved;
     let Problem { observations, equations, .. } = &problem;
     let sensitivity = Settled { setup, motion, prior, observations, equations, at, solution }.sensitivity();
-    let state = LineState { line3: *line3, covariance: solution.covariance(), sensitivity };
+    // Between several places the rounds tell nothing of the depth.
+    let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
+    let state = LineState { line3: *line3, covariance: solution.covariance().and(unsettled), sensitivity };
     let estimate = Estimate::new(&state, setup, &goodness_of_fit);
     if !estimate.is_finite() {
         return Err(FitError::Diverged);
@@ -180,12 +182,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     fn goodness_of_fit(&self, solved: &Solved<S>) -> GoodnessOfFit<S> {
-        // Knots are means over curved arcs: what that costs is no sign of a bend.
-        let floor_px2 = S::ratio(1, 256 * 256);
         let kept = self.equations.observed.iter().zip(&self.observations);
         GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {
             let residual_px = solved.solution.deviation(equation) * observation.sigma_px;
-            (residual_px, observation.sigma_px * observation.sigma_px + floor_px2)
+            (residual_px, observation.sigma_px)
         }))
     }
 }

@@ -1,13 +1,13 @@
 //! [`GoodnessOfFit`]: the residuals of a line against the stated noise. docs/model.md, section 3.9.
 
-use super::tuning::MOST_SIGMAS;
+use super::tuning::{MOST_SIGMAS, NO_BEND_SIGMAS};
 use crate::scalar::Scalar;
 
 /// How well a straight line fits.
 pub(crate) struct GoodnessOfFit<S> {
     /// Root mean square of the residuals in units of the stated noise.
     pub(crate) misfit: S,
-    /// Largest residual in pixels.
+    /// Largest departure from a straight line in pixels, beyond what noise explains.
     pub(crate) departure_px: S,
 }
 
@@ -18,13 +18,17 @@ impl<S: Scalar> GoodnessOfFit<S> {
     /// Without residuals.
     pub(crate) const NONE: Self = Self { misfit: S::ZERO, departure_px: S::ZERO };
 
-    /// From the residuals in pixels, each with the variance of its noise.
+    /// From the residuals in pixels, each with one sigma of its noise.
     pub(crate) fn of(residuals: impl Iterator<Item = (S, S)>) -> Self {
         let most = S::from_i32(MOST_SIGMAS * MOST_SIGMAS);
+        // Knots are means over curved arcs: what that costs is no sign of a bend.
+        let floor_px2 = S::ratio(1, 256 * 256);
+        let no_bend = S::from_i32(NO_BEND_SIGMAS);
         let (mut count, mut squares, mut departure_px) = (0, S::ZERO, S::ZERO);
-        for (residual_px, variance_px2) in residuals {
+        for (residual_px, sigma_px) in residuals {
+            let variance_px2 = sigma_px * sigma_px + floor_px2;
             squares = squares + (residual_px * residual_px / variance_px2).min(most);
-            departure_px = departure_px.max(residual_px.abs());
+            departure_px = departure_px.max(residual_px.abs() - no_bend * sigma_px);
             count += 1;
         }
         if count <= SPENT {

@@ -36,7 +36,7 @@ pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) 
     let per_qq = over(qq);
     let (c, rho) = (qw * per_qq, qy * per_qq);
     let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, ww: S::ZERO, rho, beta: S::ZERO };
-    if equations.has_tilt() {
+    if equations.has_tilt {
         let (mut ww, mut wy) = (S::ZERO, S::ZERO);
         for equation in equations.iter() {
             let across = solution.across(equation);

@@ -43,5 +43,6 @@ pub(crate) use prior::SampleSet;
 pub use range::Range;
 pub(crate) use range::column_at;
 pub use sample::{Sample, Spread};
+pub(crate) use sensitivity::Sensitivity;
 pub(crate) use shared_error::SharedError;
 pub use status::RangeStatus;

@@ -7,7 +7,7 @@ use super::least_squares::{Solution, solve};
 use super::line3::Line3;
 use super::observation::Observation;
 use super::prior::Prior;
-use super::tuning::{LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, RIVAL_COST, SETTLED_PART};
+use super::tuning::{FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, RIVAL_COST, SETTLED_PART};
 use super::wander::Stretch;
 use crate::error::FitError;
 use crate::scalar::Scalar;
@@ -32,6 +32,15 @@ pub(super) struct Solved<S> {
     pub(super) solution: Solution<S>,
     /// Whether the camera has the line before it in all rows.
     pub(super) is_in_front: bool,
+    /// Whether the rounds have come to rest there.
+    pub(super) has_settled: bool,
+}
+
+impl<S: Scalar> Solved<S> {
+    /// Half of the way that this round has gone.
+    fn halfway(&self) -> Line3<S> {
+        self.at.moved(self.solution.change().map(|change| change * S::ratio(1, 2)))
+    }
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -78,12 +87,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             let _ = equations.observed.push(equation);
         }
         self.prior.equations(self.setup, line3, round == Round::Later, |equation, _| {
-            // There is room: three of a state and one of the blur at most.
-            let _ = equations.prior.push(equation);
+            equations.push_prior(equation);
         });
         let solution = solve(equations);
         let moved = line3.moved(solution.change());
-        Ok(Solved { at: *line3, line3: moved, solution, is_in_front: is_in_front && moved.inverse_depth > S::ZERO })
+        let is_in_front = is_in_front && moved.inverse_depth > S::ZERO;
+        Ok(Solved { at: *line3, line3: moved, solution, is_in_front, has_settled: true })
     }
 
     /// The first round, from nothing: the positions and the prior of the tilt alone.
@@ -93,18 +102,20 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// The round that led to this outcome once more: its equations are needed, and others have been made since.
     pub(super) fn repeat(&mut self, solved: &Solved<S>) -> Result<Solved<S>, FitError> {
-        self.round(&solved.at, Round::Later)
+        Ok(Solved { has_settled: solved.has_settled, ..self.round(&solved.at, Round::Later)? })
     }
 
-    /// Iterates until a round changes next to nothing: mostly two. `None` where the rounds do not converge.
+    /// Iterates until a round changes next to nothing: mostly two. Rounds that go to and fro between two places meet halfway.
+    /// `None` where they do not converge.
     fn converge(&mut self, line3: &Line3<S>) -> Option<Solved<S>> {
         let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
         let mut solved = self.round(line3, Round::Later).ok()?;
-        for _ in 1..MOST_ROUNDS {
+        for round in 1..MOST_ROUNDS {
             if solved.solution.step_squared() < settled {
                 return Some(solved);
             }
-            solved = self.round(&solved.line3, Round::Later).ok()?;
+            let next = if round < FULL_ROUNDS { solved.line3 } else { solved.halfway() };
+            solved = self.round(&next, Round::Later).ok()?;
         }
         None
     }
@@ -116,7 +127,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         let solved = self.round(line3, Round::Later)?;
         // This round may have moved it far.
-        Ok(Solved { is_in_front: self.is_in_front(&solved.line3), ..solved })
+        Ok(Solved { is_in_front: self.is_in_front(&solved.line3), has_settled: false, ..solved })
     }
 
     fn is_in_front(&self, line3: &Line3<S>) -> bool {
@@ -136,7 +147,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
         // An error in this trial says nothing of the solution at hand.
         let farthest = mirrored.inverse_depth * S::from_i32(MIRROR_REACH);
-        let is_mirror_image = |trial: &Solved<S>| trial.line3.inverse_depth < farthest;
+        let is_mirror_image = |trial: &Solved<S>| trial.has_settled && trial.line3.inverse_depth < farthest;
         let trial = self.settle(&mirrored).ok().filter(is_mirror_image);
         match trial.filter(|trial| self.is_found_in_front(trial, least)) {
             Some(trial) => Ok(trial),

@@ -17,6 +17,10 @@ pub(super) const NOISY_SIGMAS: i32 = 4;
 /// Beyond so many, an edge that is said to be straight wanders (`cargo test wander`).
 pub(super) const WANDERING_SIGMAS: i32 = 2;
 
+/// A bend is what departs from a straight line by more than so many sigmas of noise and the limit: of lines of a dozen noisy
+/// rows noise alone makes one in ten depart by more than the limit (`cargo test noise_is_no_bend`).
+pub(super) const NO_BEND_SIGMAS: i32 = 2;
+
 /// A deviation of more sigmas counts as so many: squares of larger ones would leave single precision no room for the others.
 pub(super) const MOST_SIGMAS: i32 = 1_000;
 
@@ -25,7 +29,11 @@ pub(super) const MOST_SIGMAS: i32 = 1_000;
 pub(super) const SETTLED_PART: i32 = 50;
 
 /// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to five.
-pub(super) const MOST_ROUNDS: usize = 8;
+pub(super) const MOST_ROUNDS: usize = 16;
+
+/// Rounds after which only half of each step is taken: where tilt and depth go together, whole ones may go to and fro for ever
+/// (`cargo test forward_motion`).
+pub(super) const FULL_ROUNDS: usize = 6;
 
 /// Below this share of its value for a level camera, a row runs along upright edges: one pixel of column weighs as ten do
 /// there (`cargo test statuses`).

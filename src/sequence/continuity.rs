@@ -4,6 +4,7 @@ use super::gate::deviation;
 use super::landmark::{Landmark, static_sigma};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::tuning::{ALIKE_SIGMAS, LEAST_ASKED, MOST_ASKED, MOST_HIDDEN, MOST_SIGMAS_EACH};
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::range::Line3;
@@ -38,22 +39,13 @@ pub enum Continuity<S> {
     Restarted,
 }
 
-/// Edges that are asked; more tell it no better.
-pub(super) const MOST_ASKED: usize = 32;
-/// Fewer edges tell nothing of all.
-pub(super) const LEAST_ASKED: i32 = 4;
-/// Beyond so many sigma in common the edges are off alike.
-const ALIKE_SIGMAS: i32 = 5;
-/// A single edge counts for no more sigmas than this: one that moves does not speak for all.
-const MOST_SIGMAS_EACH: i32 = 3;
-/// Frames for which an edge may have been hidden.
-const MOST_HIDDEN: u16 = 2;
-
 /// What known edges say of a frame.
 pub(super) struct Census<S> {
     asked: i32,
     /// Where a static edge can be.
     in_place: i32,
+    /// Those in place that several frames have shown.
+    sure: i32,
     matched: i32,
     /// How far they are along their ways, in sigmas of each, and which part of their variances they share.
     sum: S,
@@ -70,11 +62,12 @@ impl<S: Scalar> Census<S> {
         interval_s: S,
         line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) -> Self {
-        let mut census = Self { asked: 0, in_place: 0, matched: 0, sum: S::ZERO, shared: S::ZERO };
+        let mut census = Self { asked: 0, in_place: 0, sure: 0, matched: 0, sum: S::ZERO, shared: S::ZERO };
         for landmark in asked(known) {
             census.asked += 1;
             let Some(matched) = landmark.matched else { continue };
             census.in_place += i32::from(!matched.has_moved);
+            census.sure += i32::from(!matched.has_moved && landmark.frames > 1);
             let line = line_at(matched.place as usize);
             let seen = line.and_then(|line| LineObservation::new(setup, motion, &landmark.state.line3, line));
             if let Some(off) = seen.and_then(|seen| Off::of(setup, motion, landmark, &seen, interval_s)) {
@@ -97,6 +90,12 @@ impl<S: Scalar> Census<S> {
             return true;
         }
         4 * self.in_place >= self.asked && !self.is_off_alike()
+    }
+
+    /// Whether edges that several frames have shown are where the time since the frame before has them: then it is right for
+    /// all others, too.
+    pub(super) fn shows_interval(&self) -> bool {
+        self.sure >= LEAST_ASKED && !self.is_off_alike()
     }
 
     fn is_off_alike(&self) -> bool {
@@ -140,13 +139,7 @@ impl<S: Scalar> Off<S> {
         let step_s = interval_s * S::ratio(1, 4);
         // Every edge is in front, even where its estimate is beyond infinity.
         let before = Line3 { inverse_depth: state.line3.inverse_depth.abs(), ..state.line3 };
-        let transition = FrameTransition {
-            pose: motion.pose(step_s),
-            elapsed_s: step_s,
-            sigma_time_s: S::ZERO,
-            gravity: state.line3.gravity,
-        };
-        let after = transition.line(&before)?;
+        let after = FrameTransition::within(motion, step_s, before.gravity).line(&before)?;
         let ((at_first, _), (at_last, _)) = (deviation(&before, &seen.middle)?, deviation(&after, &seen.middle)?);
         let per_s = (at_first - at_last) / step_s;
         let off = Self { px, per_s, sigma_px: static_sigma(own.sqrt()), shared_px: (all - own).max(S::ZERO).sqrt() };

@@ -1,6 +1,7 @@
 //! [`Comparison`]: how a line of this frame lies relative to an edge as it is predicted. docs/model.md, section 8.6.
 
 use super::line_observation::LineObservation;
+use super::tuning::{GATE_SIGMAS, OFF_QUARTERS_PX};
 use crate::range::{Covariance, Line3, Observation};
 use crate::scalar::{Scalar, add, hypot, ln, scale, sub};
 
@@ -17,12 +18,6 @@ pub(super) struct Comparison<S> {
     /// One sigma of what is predicted for the middle.
     pub(super) sigma_middle_px: S,
 }
-
-/// A line of the edge may be so far off for each sigma of the gate, in quarters of a pixel: edges bend, backgrounds and
-/// neighbours draw their columns aside, and what moves should still be recognised.
-const OFF_QUARTERS_PX: i32 = 3;
-/// Largest distance at which a line is still the edge, in sigmas.
-pub(super) const GATE_SIGMAS: i32 = 4;
 
 impl<S: Scalar> Comparison<S> {
     /// `None` where the line has no place relative to the edge.

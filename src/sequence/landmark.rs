@@ -1,9 +1,13 @@
 //! [`Landmark`]: an edge of earlier frames, and where this frame should show it.
 
 use super::extent::Extent;
-use super::gate::{Comparison, GATE_SIGMAS, sigma_px};
+use super::gate::{Comparison, sigma_px};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::tuning::{
+    COLUMN_DECIPIXELS, DOUBTFUL_SIGMAS, GATE_SIGMAS, HOLD_OFF_FRAMES, STATIC_SIGMAS, STRIP_PX, TELLING_FRAMES,
+    WANDER_PARTS_PX,
+};
 use super::vertical::EdgePlane;
 use crate::edge::Polarity;
 use crate::line::Line;
@@ -53,21 +57,9 @@ pub(crate) struct Match<S> {
     pub(crate) band_px: S,
     /// It lies where a static edge cannot be.
     pub(crate) has_moved: bool,
+    /// It lies where a static edge seldom is.
+    pub(crate) is_doubtful: bool,
 }
-
-/// Error of a line's own column, in tenths of a pixel.
-const COLUMN_DECIPIXELS: i32 = 1;
-/// A line more sigmas off than this is not where a static edge can be.
-const STATIC_SIGMAS: i32 = 5;
-/// Frames in a row that must agree with a static edge before one that has moved counts as static again.
-const HOLD_OFF_FRAMES: u16 = 30;
-/// Frames that must agree on an edge that no single one shows well.
-const TELLING_FRAMES: u32 = 3;
-/// Parts of an edge wander from its line, one sigma as a part of a pixel: 0.1 px in the median of real edges, 0.21 px in one
-/// of ten.
-const WANDER_PARTS_PX: i32 = 4;
-/// Half the width of the strip beside a prediction in which parallel lines are counted.
-const STRIP_PX: i32 = 32;
 
 impl<S: Scalar> Landmark<S> {
     /// An edge that one frame has shown.
@@ -84,7 +76,13 @@ impl<S: Scalar> Landmark<S> {
             column_px: S::ZERO,
             reach_px: S::ZERO,
             // No line that is still to be taken has this place.
-            matched: Some(Match { place: u32::MAX, cost: S::ZERO, band_px: S::ZERO, has_moved: false }),
+            matched: Some(Match {
+                place: u32::MAX,
+                cost: S::ZERO,
+                band_px: S::ZERO,
+                has_moved: false,
+                is_doubtful: false,
+            }),
             state,
             extent,
         }
@@ -109,9 +107,10 @@ impl<S: Scalar> Landmark<S> {
         let gate = S::from_i32(GATE_SIGMAS * GATE_SIGMAS);
         let sigma = static_sigma(comparison.sigma_middle_px);
         let has_moved = distance > sigma * S::from_i32(STATIC_SIGMAS);
+        let is_doubtful = distance > sigma * S::from_i32(DOUBTFUL_SIGMAS);
         // Where no edge is known yet, none can have moved.
         let fits = comparison.square <= gate && !(self.is_tentative && has_moved);
-        fits.then_some(Match { place, cost: comparison.cost, band_px: distance.max(sigma), has_moved })
+        fits.then_some(Match { place, cost: comparison.cost, band_px: distance.max(sigma), has_moved, is_doubtful })
     }
 
     /// Whether a line can be one of this edge, wherever in the row it lies.
@@ -143,39 +142,55 @@ impl<S: Scalar> Landmark<S> {
 
     /// Ranges a line that is this edge, with what earlier frames have told, and updates the state.
     ///
-    /// A line that is where a static edge cannot be has moved: it starts anew.
+    /// A line that is where a static edge cannot be has moved: it starts anew. In two frames time and depth are the same, so
+    /// that what the second one tells is as unsure as the time, unless other edges have shown that it is right:
+    /// `unsure_interval_s` is the time since the frame before, if none have.
     pub(crate) fn update<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
         left_out: SampleSet,
+        unsure_interval_s: Option<S>,
     ) -> Range<S> {
         let Some(matched) = self.matched else { return Range::from_line(setup, motion, line) };
         let has_moved = matched.has_moved;
-        let earlier = (!has_moved).then_some(self.state);
+        // Two frames whose time was unsure are known by a third one to belong together.
+        let is_refuted = self.frames == 2 && unsure_interval_s.is_some() && matched.is_doubtful;
+        let begins_anew = has_moved || is_refuted;
+        let earlier = (!begins_anew).then_some(self.state);
         let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
         match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
+                let is_second = self.frames == 1 && !begins_anew;
+                let told = unsure_interval_s.filter(|_| is_second).map(|interval_s| {
+                    let earlier = self.state.with_unsure_time(motion, &state.line3, interval_s);
+                    Range::continued(setup, motion, line, earlier, left_out).0
+                });
                 self.state = state;
                 let observation = LineObservation::new(setup, motion, &state.line3, line);
                 self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
-                self.frames = if has_moved { 1 } else { self.frames.saturating_add(1) };
+                self.frames = if begins_anew { 1 } else { self.frames.saturating_add(1) };
                 self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
                 let expected = S::from_i32(self.parallel_lines.max(1).into()) * matched.band_px / S::from_i32(STRIP_PX);
                 self.chance = self.chance * expected.min(S::ONE);
+                told.unwrap_or(range)
             }
-            // The line says nothing: as if it were hidden.
-            None => self.matched = None,
+            None => {
+                // The line says nothing: as if it were hidden.
+                self.matched = None;
+                range
+            }
         }
-        range
     }
 
     /// A range of this edge under its name; no distance until it counts as static again, nor until the frames agree better
     /// than by chance.
-    pub(crate) fn name(&mut self, range: Range<S>, most_chance: S) -> Range<S> {
+    ///
+    /// `is_unsure`: the range is what two frames have told, of which nothing shows that their time was right.
+    pub(crate) fn name(&mut self, range: Range<S>, most_chance: S, is_unsure: bool) -> Range<S> {
         self.is_tentative &= self.frames < TELLING_FRAMES || self.chance > most_chance;
-        range.named(self.id, self.frames, self.hold_off > 0, self.is_tentative)
+        range.named(self.id, self.frames, self.hold_off > 0, self.is_tentative || is_unsure)
     }
 
     /// Whether an observation of another line lies so near to the predicted edge that the two shift each other.

@@ -5,6 +5,7 @@ use heapless::Vec;
 use super::landmark::{Landmark, Match};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::tuning::MOST_MISSED;
 use crate::line::Line;
 use crate::motion::Motion;
 use crate::range::Line3;
@@ -20,9 +21,6 @@ pub(super) struct LandmarkTable<S, const N: usize> {
     /// The farthest reach of any of them.
     reach_px: S,
 }
-
-/// A landmark that is missed in more frames in a row is forgotten.
-const MOST_MISSED: u16 = 30;
 
 impl<S: Scalar, const N: usize> LandmarkTable<S, N> {
     pub(super) const fn new() -> Self {

@@ -1,5 +1,6 @@
 //! From frame to frame: landmarks, their propagation, and the association of lines with them.
 
+mod tuning;
 mod propagation;
 mod extent;
 mod vertical;

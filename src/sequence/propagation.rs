@@ -1,13 +1,10 @@
 //! [`FrameTransition`]: from the start of one frame to the start of the next. docs/model.md, section 8.
 
-use crate::motion::Pose;
-use crate::range::{Line3, LineState, SharedError};
+use super::tuning::{DRIFT_PER_ROUGHNESS, UNSURE_TIME};
+use crate::motion::{Motion, Pose};
+use crate::range::{Covariance, Line3, LineState, Sensitivity, SharedError};
 use crate::scalar::{Scalar, add, cross, dot, hypot, on_axis, scale, sub};
 use crate::setup::Setup;
-
-/// How far backgrounds and neighbours that change from frame to frame draw the column of a whole edge aside, in units of
-/// the roughness of edges: 0.09 px in the median of real edges, at 0.03 px of roughness.
-const DRIFT_PER_ROUGHNESS: i32 = 3;
 
 impl<S: Scalar> LineState<S> {
     /// The same edge as seen from the next frame's start, with what drifts on the way added to the covariance.
@@ -41,7 +38,32 @@ impl<S: Scalar> LineState<S> {
             }
             *effect = add(propagated, propagated_line.change_of(error, &self.line3, transition));
         }
-        Some(Self { line3: propagated_line.line3, covariance, sensitivity })
+        let state = Self { line3: propagated_line.line3, covariance, sensitivity };
+        let seeks_tilt = uncertainty.sigma_tilt_at(S::ZERO) > S::ZERO;
+        Some(if seeks_tilt { state } else { state.upright() })
+    }
+
+    /// The same where nothing shows that the time since the frame before is right. `other` is the same edge at another depth that
+    /// it may have: it goes along its way as the nearer one of the two does. `None` where that leads beside or behind the camera.
+    pub(crate) fn with_unsure_time<M: Motion<S>>(&self, motion: &M, other: &Line3<S>, interval_s: S) -> Option<Self> {
+        let inverse_depth = self.line3.inverse_depth.abs().max(other.inverse_depth.abs());
+        let line3 = Line3 { inverse_depth, ..*other };
+        let sigma_time_s = interval_s * S::ratio(UNSURE_TIME.0, UNSURE_TIME.1);
+        let later = FrameTransition::within(motion, sigma_time_s, line3.gravity).line(&line3)?;
+        // Gravity is told anew for each frame: the tilt does not change with the time.
+        let change = [later.bearing - line3.bearing, later.inverse_depth - line3.inverse_depth, S::ZERO];
+        Some(Self { covariance: self.covariance.and(change), ..*self })
+    }
+
+    /// The same for an edge that is stated to be upright: it is so in the new axes as well. Where these differ from what the
+    /// turn made of the old ones, the turn was wrong.
+    fn upright(self) -> Self {
+        let Covariance { variance: [a, r, _], mixed: [ar, ..] } = self.covariance;
+        Self {
+            line3: Line3 { tilt: S::ZERO, ..self.line3 },
+            covariance: Covariance { variance: [a, r, S::ZERO], mixed: [ar, S::ZERO, S::ZERO] },
+            sensitivity: Sensitivity(self.sensitivity.0.map(|[a, r, _]| [a, r, S::ZERO])),
+        }
     }
 }
 
@@ -57,6 +79,11 @@ pub(crate) struct FrameTransition<S> {
 }
 
 impl<S: Scalar> FrameTransition<S> {
+    /// So much later in the same motion.
+    pub(super) fn within<M: Motion<S>>(motion: &M, elapsed_s: S, gravity: [S; 3]) -> Self {
+        Self { pose: motion.pose(elapsed_s), elapsed_s, sigma_time_s: S::ZERO, gravity }
+    }
+
     /// A direction of the earlier frame in the axes of the later one.
     fn turn(&self, direction: [S; 3]) -> [S; 3] {
         let [x, y, z] = self.pose.rotation;

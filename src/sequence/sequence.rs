@@ -7,6 +7,7 @@ use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::time_shift::{TimeShift, Vote};
+use super::tuning::{CHANCE_EDGES, LEAST_SAMPLES, NEAR_PX};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
@@ -35,7 +36,7 @@ use crate::setup::Setup;
 /// more than three pixels and four sigma off its prediction is taken for another edge.
 ///
 /// *Room*: a landmark for each line of a frame that has a place in space, and a quarter more for edges that are hidden for a
-/// while. When the table is full, the landmark that has not been seen for longest goes first, a tentative one before all others.
+/// while (measured in docs/model.md, section 8.6). When the table is full, the landmark that has not been seen for longest goes first, a tentative one before all others.
 ///
 /// *Memory*: 208 bytes for each landmark in `f32`, and 48.
 ///
@@ -76,17 +77,11 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     /// From the frame before to this one; zero at the start.
     interval_s: S,
     continuity: Continuity<S>,
+    /// Known edges are where `interval_s` has them.
+    interval_is_shown: bool,
     /// Lines of this frame.
     lines: u16,
 }
-
-/// Fewer samples do not tell bearing, depth and tilt.
-const LEAST_SAMPLES: usize = 3;
-/// Two edges nearer than this shift each other's columns.
-const NEAR_PX: i32 = 8;
-/// Tentative edges of a frame that may come to be told although their lines agree by chance: an upper bound, since most
-/// lines are those of edges.
-const CHANCE_EDGES: i32 = 1;
 
 impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// A sequence that has seen nothing yet.
@@ -99,6 +94,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             has_frame: false,
             interval_s: S::ZERO,
             continuity: Continuity::Steady,
+            interval_is_shown: false,
             lines: 0,
         }
     }
@@ -216,7 +212,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.lines = u16::try_from(places.clone().count()).unwrap_or(u16::MAX);
         self.landmarks.match_lines(setup, motion, places.clone(), &line_at);
         self.continuity = Continuity::Steady;
-        if self.is_steady(setup, motion, &line_at) {
+        if self.take_census(setup, motion, &line_at) {
             return;
         }
         let axes = self.landmarks.axes(motion);
@@ -225,29 +221,30 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let shift = Vote::new(setup, motion, known, self.interval_s).shift(lines);
         self.continuity = shift.map_or(Continuity::Restarted, |shift| self.follow(setup, motion, &shift));
         self.landmarks.match_lines(setup, motion, places, &line_at);
-        if self.continuity == Continuity::Restarted || !self.is_steady(setup, motion, &line_at) {
+        if self.continuity == Continuity::Restarted || !self.take_census(setup, motion, &line_at) {
             self.clear();
             self.continuity = Continuity::Restarted;
         }
     }
 
-    fn is_steady<'l, M: Motion<S>, const KNOTS: usize>(
-        &self,
+    /// Asks the known edges, and answers whether most are where they should be.
+    fn take_census<'l, M: Motion<S>, const KNOTS: usize>(
+        &mut self,
         setup: &Setup<S>,
         motion: &M,
         line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
     ) -> bool {
-        let known = self.landmarks.known();
-        Census::of(setup, motion, known, self.interval_s, line_at).is_steady(self.lines)
+        let census = Census::of(setup, motion, self.landmarks.known(), self.interval_s, line_at);
+        self.interval_is_shown = census.shows_interval();
+        census.is_steady(self.lines)
     }
 
     /// Moves all landmarks on to the time at which a frame was really taken.
     fn follow<M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M, shift: &TimeShift<S>) -> Continuity<S> {
         let (seconds, sigma_s) = (shift.intervals * self.interval_s, shift.sigma * self.interval_s.abs());
         let gravity = self.landmarks.axes(motion).gravity;
-        let transition =
-            FrameTransition { pose: motion.pose(seconds), elapsed_s: seconds, sigma_time_s: sigma_s, gravity };
-        self.landmarks.propagate(setup, &transition);
+        let later = FrameTransition::within(motion, seconds, gravity);
+        self.landmarks.propagate(setup, &FrameTransition { sigma_time_s: sigma_s, ..later });
         if shift.is_repetition() { Continuity::Repeated } else { Continuity::Shifted { seconds, sigma_s } }
     }
 
@@ -268,15 +265,18 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let own = self.landmarks.around(observation.columns_px).find(has_line).map(|landmark| *landmark);
         let blend = self.blend(setup, motion, line, &observation, own.as_ref());
         let is_repeated = self.continuity == Continuity::Repeated;
+        let time_may_be_wrong = setup.uncertainty().sigma_time_s > S::ZERO && !self.interval_is_shown;
+        let unsure_interval_s = time_may_be_wrong.then_some(self.interval_s);
         let Some(landmark) = self.landmarks.around(observation.columns_px).find(has_line) else {
             return self.begin(setup, motion, line, &observation, blend);
         };
+        let is_unsure = blend.is_whole && landmark.frames == 2 && unsure_interval_s.is_some();
         let range = if blend.is_whole || is_repeated {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
-            landmark.update(setup, motion, line, blend.samples)
+            landmark.update(setup, motion, line, blend.samples, unsure_interval_s)
         };
-        landmark.name(range, most_chance)
+        landmark.name(range, most_chance, is_unsure)
     }
 
     /// Which samples of a line lie so near to a known edge at another depth that the two blend: their columns are those of

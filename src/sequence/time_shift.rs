@@ -2,11 +2,12 @@
 
 use heapless::Vec;
 
-use super::continuity::{LEAST_ASKED, MOST_ASKED, asked};
+use super::continuity::asked;
 use super::gate::deviation;
 use super::landmark::{Landmark, static_sigma};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
+use super::tuning::{BINS, BINS_EACH, COUNTED_TWICE, LEAST_ASKED, LEAST_FRAMES, MOST_ASKED, SURE_PART, WINDOWS};
 use crate::motion::Motion;
 use crate::range::{Covariance, Line3};
 use crate::scalar::Scalar;
@@ -17,18 +18,6 @@ pub(super) struct TimeShift<S> {
     pub(super) intervals: S,
     pub(super) sigma: S,
 }
-
-/// Bins of the vote, and how many make an interval: from 1.6 intervals early to 1.6 late.
-const BINS: i32 = 64;
-const BINS_EACH: i32 = 20;
-/// In two frames, one interval, time and depth are the same: edges that more frames have shown tell the time.
-const LEAST_FRAMES: u32 = 3;
-/// A vote is sure to a part of an interval: of one that is less so, speed along the row and depth go together.
-const SURE_PART: i32 = 8;
-/// Pairs within so many hundredths of an interval count: first those of the bins around the best one, then nearer ones.
-const WINDOWS: [i32; 3] = [10, 6, 4];
-/// The lines that have told the time are those that then update the edges: not quite twice the evidence.
-const COUNTED_TWICE: i32 = 2;
 
 impl<S: Scalar> TimeShift<S> {
     /// Whether the frame was taken when the one before was.
@@ -157,6 +146,5 @@ fn moved<S: Scalar, M: Motion<S>>(motion: &M, line3: &Line3<S>, elapsed_s: S) ->
     if elapsed_s == S::ZERO {
         return Some(*line3);
     }
-    let sigma_time_s = S::ZERO;
-    FrameTransition { pose: motion.pose(elapsed_s), elapsed_s, sigma_time_s, gravity: line3.gravity }.line(line3)
+    FrameTransition::within(motion, elapsed_s, line3.gravity).line(line3)
 }

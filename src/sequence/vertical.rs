@@ -2,6 +2,10 @@
 
 use heapless::Vec;
 
+use super::tuning::{
+    AGREE_MILLIRADIANS, DRIFT_MILLIRADIANS_PER_S, LEAST_EDGES, LEAST_SIGMA_E4, LEVEL_CENTIRADIANS, LONGEST,
+    MOST_TILTED_PERCENT, ROUNDS, USUAL_DECI_PER_M,
+};
 use crate::line::Line;
 use crate::motion::{Motion, Pose};
 use crate::range::{Line3, Range, SampleSet};
@@ -41,24 +45,6 @@ pub(super) struct EdgePlane<S> {
     /// How much of the edge is seen, in any unit: short ones are upright more by chance than by purpose.
     length: S,
 }
-
-/// A camera is level within 15°, two sigma.
-const LEVEL_CENTIRADIANS: i32 = 13;
-/// Beyond this no vertical is sought: a cosine of 20°.
-const MOST_TILTED_PERCENT: i32 = 94;
-/// So many lines, the longest of a frame, seek the vertical together.
-const LONGEST: usize = 48;
-/// Lines that agree on a vertical, or it is not told.
-const LEAST_EDGES: usize = 5;
-/// Lines within so many thousandths of a radian agree on a vertical: skew and lean spread them.
-const AGREE_MILLIRADIANS: i32 = 15;
-/// Inverse depth of what a camera sees, and one sigma of it, in tenths per metre: nearer than that is rare.
-const USUAL_DECI_PER_M: i32 = 3;
-const ROUNDS: usize = 12;
-/// How fast a vertical becomes uncertain, in thousandths of a radian per second: mounts give way, wheels roll over bumps.
-const DRIFT_MILLIRADIANS_PER_S: i32 = 5;
-/// Better is never claimed, in ten thousandths of a radian: house fronts lean together.
-const LEAST_SIGMA_E4: i32 = 5;
 
 impl<S: Scalar> Vertical<S> {
     /// A level camera, within 15°.

@@ -24,8 +24,8 @@ pub struct Limits {
     pub gap_rows: u16,
     /// Points that make a range: a line of fewer is [`Short`](crate::RangeStatus::Short).
     pub min_points: u16,
-    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`. Smaller
-    /// departures enlarge sigma instead.
+    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`: by two sigma of its
+    /// noise beyond it. Smaller departures enlarge sigma instead.
     pub max_departure_q16: u32,
     /// In a sequence whose parallax has measured it, an edge may lean by this slope, in 1/65536, and stay `ok`.
     pub max_lean_q16: u32,

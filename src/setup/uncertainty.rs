@@ -28,7 +28,8 @@ pub struct Uncertainty<S> {
     /// shows beyond it is added by itself; this is the floor. 0.03 px unless you know better; zero means that edges are
     /// straight.
     pub edge_roughness_px: S,
-    /// The time between two frames of a sequence, in seconds.
+    /// The time between two frames of a sequence, in seconds. Zero: none is ever lost, late or early. Otherwise the second frame
+    /// that shows an edge tells its depth to a third at best by parallax, unless other edges show that the time was right.
     pub sigma_time_s: S,
 }
 
