@@ -12,6 +12,7 @@ pub(crate) mod range_table;
 pub(crate) mod frame_writer;
 pub(crate) mod markup;
 pub(crate) mod birds_eye;
+pub(crate) mod ground;
 pub(crate) mod html_report;
 pub(crate) mod truth;
 pub(crate) mod simulation_folder;
