@@ -15,6 +15,7 @@ pub(crate) mod birds_eye;
 pub(crate) mod ground;
 pub(crate) mod html_report;
 pub(crate) mod truth;
+pub(crate) mod motion_file;
 pub(crate) mod simulation_folder;
 pub(crate) mod overlay;
 pub(crate) mod chart;
