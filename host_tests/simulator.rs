@@ -1,9 +1,11 @@
 //! `sim`: rendered rows against the projection, the blur, the noise and the order of things.
 
 use proptest::prelude::*;
-use shutter_range::sim::{Background, Bar, Contour, Exposure, Object, Rail, Scene, Shading, Simulator, Texture, Truth};
+use shutter_range::sim::{
+    Background, Bar, Contour, Exposure, Object, Rail, Scene, Shading, Simulator, Swing, Texture, Truth,
+};
 use shutter_range::{
-    Camera, Distortion, Intrinsics, ParameterError, Polarity, Readout, ReadoutDirection, Twist, Uncertainty,
+    Camera, Distortion, Intrinsics, Motion, ParameterError, Polarity, Readout, ReadoutDirection, Twist, Uncertainty,
 };
 
 use crate::projection;
@@ -458,7 +460,7 @@ fn later_frames_continue_the_motion() {
     let later = projection::Scene {
         velocity_m_s: vector(motion.velocity_m_s()),
         rate_rad_s: vector(motion.rate_rad_s()),
-        gravity: vector(shutter_range::Motion::gravity(&motion)),
+        gravity: vector(motion.gravity()),
         bearing: truth.bearing,
         depth_m: truth.depth_m,
         ..world.clone()
@@ -474,6 +476,33 @@ fn later_frames_continue_the_motion() {
 }
 
 /// The estimator on points measured in rendered rows.
+/// A camera that turns about down: what it sees far away goes the other way by as much as its rate says, and gravity stays.
+#[test]
+fn a_swing_turns_the_camera_about_down() {
+    let scene = scene_of(0.0, [Bar::upright(0.1, 1000.0, 20.0, 200.0).into()]);
+    let world = still();
+    let swinging = |frequency_hz| {
+        simulator(&scene, &world, ReadoutDirection::TopToBottom, Exposure::default())
+            .with_swing(Swing { angle_rad: 0.2, frequency_hz })
+    };
+    let swing = swinging(0.8).expect("a sound swing");
+    let azimuth = |time_ms: i64| {
+        let at = swing.clone().at_frame(0, time_ms * 1_000_000);
+        at.truth().next().expect("the bar").bearing.atan()
+    };
+    let mut most = 0.0_f64;
+    for time_ms in (0..2500).step_by(130) {
+        let motion = swing.clone().at_frame(0, time_ms * 1_000_000).motion().expect("a motion");
+        let [wx, wy, wz] = motion.rate_rad_s();
+        assert!(wx == 0.0 && wz == 0.0 && motion.gravity() == [0.0, 1.0, 0.0], "{motion:?}");
+        let turned = (azimuth(time_ms + 1) - azimuth(time_ms - 1)) / 0.002;
+        assert!((turned + f64::from(wy)).abs() < 1e-3, "{time_ms} ms: {turned} for {wy}");
+        most = most.max(f64::from(wy).abs());
+    }
+    assert!((1.0..1.7).contains(&most), "{most}");
+    assert_eq!(swinging(f32::NAN).map(|_| ()).expect_err("no frequency").parameter, "frequency_hz");
+}
+
 #[test]
 fn the_range_finder_finds_the_truth() {
     let world = projection::Scene { rate_rad_s: [0.1, -0.2, 0.1], ..projection::Scene::vga() };

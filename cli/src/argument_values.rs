@@ -27,6 +27,18 @@ pub(crate) fn contrast(text: &str) -> Result<f64, String> {
     within(text, 1.0, 230.0, "a number from 1 to 230 (grey levels)")
 }
 
+pub(crate) fn swing_angle(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 57.0, "a number from 0 to 57 (degrees)")
+}
+
+pub(crate) fn swing_frequency(text: &str) -> Result<f64, String> {
+    within(text, 0.01, 10.0, "a number from 0.01 to 10 (Hz)")
+}
+
+pub(crate) fn clock_offset(text: &str) -> Result<f64, String> {
+    within(text, -0.05, 0.05, "a number from -0.05 to 0.05 (seconds)")
+}
+
 pub(crate) fn svg_path(text: &str) -> Result<PathBuf, String> {
     path_ending_in("svg", text)
 }

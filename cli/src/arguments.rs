@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use shutter_range::format::PixelFormat;
+use shutter_range::sim::Swing;
 
 use crate::argument_values::{
-    above_zero, contrast, frequency, frequency_sigma, html_path, interval, interval_of_a_sequence, megahertz, png_path,
-    roll, svg_path,
+    above_zero, clock_offset, contrast, frequency, frequency_sigma, html_path, interval, interval_of_a_sequence,
+    megahertz, png_path, roll, svg_path, swing_angle, swing_frequency,
 };
 use crate::help;
 use crate::input::camera_file::CameraSource;
@@ -247,7 +248,7 @@ pub(crate) struct MotionArgs {
     #[arg(long, value_name = "SECONDS", value_parser = interval_of_a_sequence, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
     /// The same for frames that do not come at regular intervals: CSV with the header `time_s`, one line for each frame in
-    /// their order, or `name,time_s`; only differences count
+    /// their order, or `name,time_s`; only differences count. A column `exposure_s` has the exposure of each frame
     #[arg(long, value_name = "FILE", conflicts_with = "frame_interval_s")]
     pub(crate) frame_times: Option<PathBuf>,
     /// Measured motion instead of the setup's velocity and rotation rate: CSV with the header time_s,vx,vy,vz,wx,wy,wz
@@ -305,10 +306,11 @@ pub(crate) struct InspectArgs {
 pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) setup: SetupArgs,
-    /// Folder for the frames, truth.json, setup.toml and scene.toml; made if there is none
+    /// Folder for the frames, truth.json, trajectory.csv, setup.toml and scene.toml; made if there is none
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Replace an earlier simulation in the folder: its frame-*.png, truth.json, setup.toml and scene.toml are removed
+    /// Replace an earlier simulation in the folder: its frame-*.png, truth.json, trajectory.csv, setup.toml and
+    /// scene.toml are removed
     #[arg(long)]
     pub(crate) overwrite: bool,
     /// Write the frames as dumps without a header, frame-0000.raw and so on, in a format of `frame --raw`
@@ -327,6 +329,22 @@ pub(crate) struct SimulateArgs {
     /// s, or the readout time of the frame if that is longer
     #[arg(long, value_name = "SECONDS", value_parser = interval, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
+    /// The camera also turns back and forth about the vertical, by this angle to either side
+    #[arg(long, value_name = "DEGREES", value_parser = swing_angle)]
+    pub(crate) swing_deg: Option<f64>,
+    /// Swings in a second
+    #[arg(long, value_name = "HZ", default_value_t = 1.0, requires = "swing_deg", value_parser = swing_frequency)]
+    pub(crate) swing_hz: f64,
+    /// The clock of trajectory.csv is behind that of the frames by so much
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = clock_offset, allow_negative_numbers = true)]
+    pub(crate) clock_offset_s: f64,
+}
+
+impl SimulateArgs {
+    pub(crate) fn swing(&self) -> Option<Swing> {
+        let swing = |degrees: f64| Swing { angle_rad: degrees.to_radians() as f32, frequency_hz: self.swing_hz as f32 };
+        self.swing_deg.map(swing)
+    }
 }
 
 /// Ends the program as clap does for a wrong command line: for arguments that are wrong only together.

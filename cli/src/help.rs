@@ -70,7 +70,8 @@ such a file has must not be said otherwise in the setup; what it lacks is asked 
 const FRAME_TIMES: &str = "\
 Frame times: seconds of any clock, one line for each frame in their order; with a column name, in any
 order and perhaps of more frames than are given. A frame is called by its path, its file name or, from a
-file of edges, its number. The next frame starts when this one has been read, or later.";
+file of edges, its number. The next frame starts when this one has been read, or later. A column
+exposure_s has the exposure of each frame, where automatic exposure changes it, in place of the setup's.";
 
 const FRAMES: &str = "\
 Frames must be as the sensor read them: of the setup's size, neither cropped, scaled nor rotated (the
@@ -142,6 +143,8 @@ The camera is that of the setup, a pinhole without distortion, with its exposure
 lens_blur_px (default 0.7). It continues with the setup's motion from frame to frame. truth.json has the
 edges of each frame and the camera's motion in the axes at that frame's start. Where the camera turns,
 setup.toml therefore holds for the first frame alone, or for all of them with --frame-interval-s.
+trajectory.csv has the motion as wheels and a gyroscope would tell it, 200 samples a second, for --trajectory
+and for calibrate imu: in the axes of the camera, or those of the robot where the setup has [mount].
 
 The folder must be new or empty. With --overwrite, an earlier simulation in it is replaced; files with
 other names stay. The files appear in the folder when all of them are written. Until then it is
@@ -215,7 +218,8 @@ gravity, from an accelerometer) on its own clock; its velocities are not used. W
 setup is taken to be the same in all frames: turn about the vertical. attitude.sigma_tilt_deg is how much the
 edges themselves may lean, motion.sigma_rate_rad_s the gyroscope's noise within a frame.
 
-Statuses: ok, too_few_lines, inconsistent. At rest roll and pitch are told, and no offset.
+Statuses: ok, too_few_lines, inconsistent; without a result the exit code is 1. At rest roll and pitch are
+told, and no offset.
 
 Example:
   shutter-range calibrate imu frame-*.png --setup camera.toml --trajectory gyro.csv --frame-interval-s 0.0333";

@@ -39,6 +39,7 @@
 mod checked;
 mod exposure;
 mod flicker;
+mod swing;
 mod texture;
 mod random;
 mod contour;
@@ -69,6 +70,7 @@ pub use scene::{Background, Object, Rail, Scene};
 pub use shading::Shading;
 pub use simulator::Simulator;
 pub use stage::Stage;
+pub use swing::Swing;
 pub use texture::Texture;
 pub use tint::Tint;
 pub use tone_curve::ToneCurve;

@@ -11,6 +11,7 @@ use super::noise::RowNoise;
 use super::random::{hash, mix};
 use super::row_texture::RowTexture;
 use super::scene::Scene;
+use super::swing::Swing;
 use super::tint::Tint;
 use super::view::{Lens, Vector, View};
 use crate::error::ParameterError;
@@ -35,6 +36,7 @@ pub struct Simulator<'a, const OBJECTS: usize> {
     exposure: Exposure,
     softness: Option<Softness>,
     flicker: Option<Flicker>,
+    swing: Option<Swing>,
     tint: Tint,
     seed: u64,
     frame: u32,
@@ -83,6 +85,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
             exposure,
             softness: None,
             flicker: None,
+            swing: None,
             tint: Tint::NEUTRAL,
             seed,
             frame: 0,
@@ -121,6 +124,14 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         Ok(Self { flicker: Some(flicker), ..self })
     }
 
+    /// The same with a camera that also turns back and forth.
+    ///
+    /// *Errors*: an angle or a frequency outside the limits of its field.
+    pub fn with_swing(self, swing: Swing) -> Result<Self, ParameterError> {
+        swing.check()?;
+        Ok(Self { swing: Some(swing), ..self })
+    }
+
     /// The same with colours, which a mosaic shows ([`Simulator::row_in`]).
     ///
     /// *Errors*: an offset or a gain outside the limits of its field.
@@ -134,8 +145,12 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
     /// *Errors*: a component of an extreme velocity that rotation has driven beyond the limit of [`Twist`].
     pub fn motion(&self) -> Result<Twist<f32>, ParameterError> {
         let view = self.view(0.0);
-        let turned = |vector| view.in_camera(vector).map(|component| component as f32);
-        Twist::new(turned(self.velocity_m_s), self.rate_rad_s.map(|rate| rate as f32), turned(self.gravity))
+        let gravity = view.in_camera(self.gravity);
+        let swing = self.swing.map_or(0.0, |swing| swing.rate(self.start_s()));
+        let rate = core::array::from_fn(|axis| self.rate_rad_s[axis] + swing * gravity[axis]);
+        let [velocity, rate, gravity] =
+            [view.in_camera(self.velocity_m_s), rate, gravity].map(|vector| vector.map(|component| component as f32));
+        Twist::new(velocity, rate, gravity)
     }
 
     /// Renders one row of the image into `pixels`, from column 0 on: as many pixels as the image has columns, or as there is
@@ -196,7 +211,7 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
 
     /// Of the light during the exposure of a row, relative to its mean.
     fn brightness(&self, row: u16) -> f32 {
-        let middle_s = self.start_ns as f64 * 1e-9 + self.row_time_s(row);
+        let middle_s = self.start_s() + self.row_time_s(row);
         self.flicker.map_or(1.0, |flicker| flicker.brightness(middle_s, f64::from(self.exposure.time_s)) as f32)
     }
 
@@ -222,7 +237,13 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
 
     /// The camera `time_s` seconds after the start of this frame.
     pub(super) fn view(&self, time_s: f64) -> View {
-        View::after(self.start_ns as f64 * 1e-9 + time_s, self.velocity_m_s, self.rate_rad_s)
+        let time_s = self.start_s() + time_s;
+        let view = View::after(time_s, self.velocity_m_s, self.rate_rad_s);
+        self.swing.map_or(view, |swing| view.turned(self.gravity, swing.angle(time_s)))
+    }
+
+    const fn start_s(&self) -> f64 {
+        self.start_ns as f64 * 1e-9
     }
 
     /// Seconds from the start of the frame to the middle of the row's exposure.

@@ -60,22 +60,20 @@ impl View {
         } else {
             ([0.0; 3], 0.0, 1.0)
         };
-        // Rodrigues: v cos φ + (k × v) sin φ + k (k·v)(1 − cos φ).
-        let turned = |[x, y, z]: Vector| {
-            let [kx, ky, kz] = axis;
-            let along = (kx * x + ky * y + kz * z) * (1.0 - cosine);
-            [
-                x * cosine + (ky * z - kz * y) * sine + kx * along,
-                y * cosine + (kz * x - kx * z) * sine + ky * along,
-                z * cosine + (kx * y - ky * x) * sine + kz * along,
-            ]
-        };
+        let turned = |vector| turned(vector, axis, sine, cosine);
         Self {
             position_m: velocity_m_s.map(|speed| speed * time_s),
             right: turned([1.0, 0.0, 0.0]),
             down: turned([0.0, 1.0, 0.0]),
             forward: turned([0.0, 0.0, 1.0]),
         }
+    }
+
+    /// Turned on the spot about an axis of length one, in the axes of the first frame's start.
+    pub(super) fn turned(self, axis: Vector, angle: f64) -> Self {
+        let [right, down, forward] = [self.right, self.down, self.forward]
+            .map(|vector| turned(vector, axis, libm::sin(angle), libm::cos(angle)));
+        Self { right, down, forward, ..self }
     }
 
     /// Rotates a direction from the axes of the first frame's start into the camera's.
@@ -163,6 +161,16 @@ impl SeenLine {
         let bearing = x / z;
         (z > NEAR_M && bearing.is_finite()).then_some((bearing, z))
     }
+}
+
+/// Rodrigues: v cos φ + (k × v) sin φ + k (k·v)(1 − cos φ).
+fn turned([x, y, z]: Vector, [kx, ky, kz]: Vector, sine: f64, cosine: f64) -> Vector {
+    let along = (kx * x + ky * y + kz * z) * (1.0 - cosine);
+    [
+        x * cosine + (ky * z - kz * y) * sine + kx * along,
+        y * cosine + (kz * x - kx * z) * sine + ky * along,
+        z * cosine + (kx * y - ky * x) * sine + kz * along,
+    ]
 }
 
 fn inner(a: Vector, b: Vector) -> f64 {

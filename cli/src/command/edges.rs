@@ -28,7 +28,8 @@ pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Res
     motion.check_frames(groups.len()).map_err(Error::msg)?;
     let names = groups.keys().map(|frame| (frame_number(*frame), frame_name(&name, *frame))).collect();
     let camera_motion = CameraMotion::new(motion, setup, names)?;
-    let sequence = FrameSequence::new(setup, &camera_motion, motion.all)?;
+    let first = groups.keys().next().map_or(0, |frame| frame_number(*frame));
+    let sequence = FrameSequence::new(setup, &camera_motion, first, motion.all)?;
     let frames = frames(&name, groups, sequence, camera_motion).with_context(|| name.clone())?;
     Ok(Document { frames })
 }
@@ -67,9 +68,10 @@ fn frames(name: &str, groups: Frames, mut sequence: FrameSequence, mut motion: C
     let nexts: Vec<_> = groups.keys().skip(1).map(|frame| Some(frame_number(*frame))).chain([None]).collect();
     let mut frames = Vec::new();
     for ((key, points), next) in groups.into_iter().zip(nexts) {
-        let to_next_s = motion.to_next_s(frame_number(key), next);
-        let motion = motion.in_frame(frame_number(key), next)?;
-        sequence.advance(&motion, to_next_s)?;
+        let number = frame_number(key);
+        let (to_next_s, exposure_s) = (motion.to_next_s(number, next), motion.exposure_s(number));
+        let motion = motion.in_frame(number, next)?;
+        sequence.advance(&motion, to_next_s, exposure_s)?;
         frames.push(frame(frame_name(name, key).long, points, &mut sequence, &motion)?);
     }
     Ok(frames)

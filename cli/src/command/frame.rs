@@ -77,7 +77,7 @@ pub(crate) fn ranges(
     let format = PictureFormat { size: Some(size), raw: arguments.raw, bits: setup.bits };
     let motion = CameraMotion::new(&arguments.motion, setup, (0..).zip(names(&arguments.files)).collect())?;
     let ranging = Ranging {
-        sequence: FrameSequence::new(setup, &motion, arguments.motion.all)?,
+        sequence: FrameSequence::new(setup, &motion, 0, arguments.motion.all)?,
         motion,
         number: 0,
         overlays,
@@ -205,7 +205,7 @@ impl Ranging<'_> {
         let number = self.number;
         self.number += 1;
         let next = has_next.then_some(self.number);
-        let to_next_s = self.motion.to_next_s(number, next);
+        let (to_next_s, exposure_s) = (self.motion.to_next_s(number, next), self.motion.exposure_s(number));
         let motion = match self.motion.in_frame(number, next) {
             Ok(motion) => motion,
             Err(error) => {
@@ -215,7 +215,7 @@ impl Ranging<'_> {
             }
         };
         let sequence = &mut self.sequence;
-        let ranged = sequence.advance(&motion, to_next_s).and_then(|()| {
+        let ranged = sequence.advance(&motion, to_next_s, exposure_s).and_then(|()| {
             let Edges { lines, hints, picture } = edges?;
             let ranges = sequence.frame(&motion, &lines.lines)?;
             Ok((Frame::new(name, lines.torn, &ranges, &lines.counters, hints), picture))

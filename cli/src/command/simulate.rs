@@ -14,10 +14,10 @@ use crate::input::bounded_read;
 use crate::input::file_identity::FileIdentity;
 use crate::input::scene_file::{self, OBJECTS, SceneFile};
 use crate::input::setup::{self, SetupFile};
-use crate::output::progress;
-use crate::output::simulation_folder::{self, PNG, RAW, SCENE, SETUP, SimulationFolder, TRUTH};
+use crate::output::simulation_folder::{self, PNG, RAW, SCENE, SETUP, SimulationFolder, TRAJECTORY, TRUTH};
 use crate::output::terminal;
 use crate::output::truth::{TruthDocument, TruthFrame};
+use crate::output::{motion_file, progress};
 
 /// Refuses a simulation that would replace a file that it reads.
 pub(crate) fn check_inputs(arguments: &SimulateArgs) -> Result<(), String> {
@@ -50,11 +50,19 @@ pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
     };
     let scene = scene_file::parse(&scene_text).context(scene_name)?;
     let simulator = simulator(&file, &scene, arguments.seed).with_context(|| setup_path.display().to_string())?;
+    let simulator = match arguments.swing() {
+        Some(swing) => simulator.with_swing(swing)?,
+        None => simulator,
+    };
     let mut folder = SimulationFolder::open(&arguments.out, arguments.overwrite)?;
-    let document = render(&simulator, &file, arguments, &mut folder)?;
+    let interval_s = arguments.frame_interval_s.unwrap_or(file.readout_s().max(1.0 / 30.0));
+    let document = render(&simulator, &file, interval_s, arguments, &mut folder)?;
+    let until_s = f64::from(arguments.frames - 1) * interval_s + file.readout_s();
+    let motion = motion_file::text(&simulator, file.mount.as_ref(), until_s, arguments.clock_offset_s)?;
     folder.write(SETUP, file.text.as_bytes())?;
     folder.write(SCENE, scene_text.as_bytes())?;
     folder.write(TRUTH, terminal::json(&document)?.as_bytes())?;
+    folder.write(TRAJECTORY, motion.as_bytes())?;
     folder.finish()?;
     Ok(document)
 }
@@ -107,10 +115,10 @@ fn by_its_key(error: &ParameterError) -> Error {
 fn render(
     simulator: &Simulator<'_, OBJECTS>,
     file: &SetupFile,
+    interval_s: f64,
     arguments: &SimulateArgs,
     folder: &mut SimulationFolder,
 ) -> Result<TruthDocument> {
-    let interval_s = arguments.frame_interval_s.unwrap_or(file.readout_s().max(1.0 / 30.0));
     let bar = progress::bar(arguments.frames.into());
     let mut frames = Vec::new();
     for number in 0..arguments.frames {

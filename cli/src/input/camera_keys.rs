@@ -1,7 +1,7 @@
 //! The section [camera] of a setup file: the lens, when its rows are read, and what its pixels do.
 
 use anyhow::{Result, anyhow};
-use shutter_range::{Camera, Distortion, Intrinsics, Readout, ReadoutDirection, Response};
+use shutter_range::{Camera, Distortion, Intrinsics, MotionBlur, Readout, ReadoutDirection, Response};
 
 use super::bounds::Bounds;
 use super::keys::{Section, by_its_key};
@@ -20,9 +20,23 @@ pub(crate) struct Optics {
     pub(crate) sigma_blur: Option<f64>,
 }
 
+/// Of a row.
+pub(crate) const EXPOSURE: Bounds = Bounds::above_zero(60.0, "seconds");
+
+impl Optics {
+    /// Of frames with this exposure.
+    pub(crate) fn motion_blur(&self, exposure_s: f64) -> MotionBlur<f64> {
+        let motion_blur = match self.lens_blur_px {
+            Some(lens_blur_px) => MotionBlur::from_calibrated_lens(exposure_s, lens_blur_px),
+            None => MotionBlur::from_exposure(exposure_s),
+        };
+        self.sigma_blur.map_or(motion_blur, |sigma| motion_blur.with_sigma_blur(sigma))
+    }
+}
+
 pub(crate) fn optics(camera: &Section<'_>) -> Result<Optics> {
     Ok(Optics {
-        exposure_s: camera.number("exposure_s", Bounds::above_zero(60.0, "seconds"))?,
+        exposure_s: camera.number("exposure_s", EXPOSURE)?,
         lens_blur_px: camera.number("lens_blur_px", Bounds::above_zero(1000.0, "pixels, one sigma"))?,
         sigma_blur: camera.number("sigma_blur", Bounds::number(0.0, 10.0, "one sigma of a logarithm"))?,
     })

@@ -33,9 +33,25 @@ impl Mount {
 
     /// The camera's velocity, where the robot has this one and turns: a camera off the robot's centre is swept around it.
     pub(crate) fn velocity_in_camera(&self, velocity_m_s: [f64; 3], rate_rad_s: [f64; 3]) -> [f64; 3] {
-        let ([wx, wy, wz], [x, y, z]) = (rate_rad_s, self.position_m);
-        let swept = [wy * z - wz * y, wz * x - wx * z, wx * y - wy * x];
+        let swept = self.swept(rate_rad_s);
         self.in_camera(std::array::from_fn(|axis| velocity_m_s[axis] + swept[axis]))
+    }
+
+    /// Velocity and rate of the robot, where the camera has these.
+    pub(crate) fn motion_of_robot(&self, velocity_m_s: [f64; 3], rate_rad_s: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let rate = self.in_robot(rate_rad_s);
+        let (velocity, swept) = (self.in_robot(velocity_m_s), self.swept(rate));
+        (std::array::from_fn(|axis| velocity[axis] - swept[axis]), rate)
+    }
+
+    fn in_robot(&self, vector: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|axis| self.axes.iter().zip(vector).map(|(camera, part)| camera[axis] * part).sum())
+    }
+
+    /// Velocity of the camera around the robot's centre.
+    fn swept(&self, [wx, wy, wz]: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = self.position_m;
+        [wy * z - wz * y, wz * x - wx * z, wx * y - wy * x]
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use shutter_range::{Motion, MotionBlur, Setup, Twist, Uncertainty};
+use shutter_range::{Motion, Setup, Twist, Uncertainty};
 use toml::Table;
 
 use super::bounded_read::{self, Limit, MEBIBYTE};
@@ -65,8 +65,19 @@ impl SetupFile {
     /// Refuses an exposure that is hardly ever meant, for frames that come at this interval, if any is known.
     pub(crate) fn check_exposure(&self, interval_s: Option<f64>) -> Result<()> {
         let Some(exposure_s) = self.optics.exposure_s else { return Ok(()) };
+        self.check_exposure_of(&self.name, "camera.exposure_s", exposure_s, interval_s)
+    }
+
+    /// The same of one that is told elsewhere.
+    pub(crate) fn check_exposure_of(
+        &self,
+        name: &str,
+        key: &str,
+        exposure_s: f64,
+        interval_s: Option<f64>,
+    ) -> Result<()> {
         let objection = usual::exposure(exposure_s, interval_s, self.readout_s());
-        self.usual.check("exposure_s", objection, || format!("{}: `camera.exposure_s` is {exposure_s}", self.name))
+        self.usual.check("exposure_s", objection, || format!("{name}: `{key}` is {exposure_s}"))
     }
 }
 
@@ -150,12 +161,7 @@ fn refuse_unusual(file: &SetupFile, camera: &Section<'_>, motion: &Section<'_>, 
 
 fn with_optics(setup: Setup<f64>, optics: &Optics) -> Result<Setup<f64>> {
     let Some(exposure_s) = optics.exposure_s else { return Ok(setup) };
-    let motion_blur = match optics.lens_blur_px {
-        Some(lens_blur_px) => MotionBlur::from_calibrated_lens(exposure_s, lens_blur_px),
-        None => MotionBlur::from_exposure(exposure_s),
-    };
-    let motion_blur = optics.sigma_blur.map_or(motion_blur, |sigma| motion_blur.with_sigma_blur(sigma));
-    setup.with_motion_blur(motion_blur).map_err(by_its_key)
+    setup.with_motion_blur(optics.motion_blur(exposure_s)).map_err(by_its_key)
 }
 
 /// What the file leaves out is as the library assumes it.

@@ -1,23 +1,29 @@
 //! Bands of a light that flickers while the rows are read.
 
 use super::grey::Grey;
-use super::robust::median;
+use super::pulses;
+use super::row_changes::{self, Bands};
 
 /// Rows over which brightness is compared.
 const STEP: usize = 4;
-const FEWEST_PERIODS: f64 = 1.5;
+/// Shading of a wall looks like fewer.
+const FEWEST_PERIODS: f64 = 2.5;
+/// A sine that explains so much need not be anything else.
+const ENOUGH: f64 = 0.8;
 
-pub(crate) struct Bands {
-    /// Half of the way from dark to bright, as a share of the brightness.
-    pub(crate) amplitude: f64,
-    /// In the frame.
-    pub(crate) periods: f64,
-    /// Share of what varies from row to row that is this one sine.
-    pub(crate) purity: f64,
+/// A sine, as lamps on mains make it, or pulses where they explain more. `None` in a frame of few rows, or a dark one.
+pub(crate) fn of(grey: &Grey<'_>) -> Option<Bands> {
+    let (sine, pulses) = (sine(grey), pulses::of(grey));
+    let purity = |bands: &Option<Bands>| bands.as_ref().map_or(0.0, |bands| bands.purity);
+    // What is faster than the groups of rows looks slow in them.
+    let is_fast = pulses.as_ref().is_some_and(|pulses| pulses.periods * (2 * STEP) as f64 > grey.rows as f64);
+    if is_fast && purity(&pulses) > ENOUGH {
+        return pulses;
+    }
+    if purity(&sine) > ENOUGH || purity(&sine) > purity(&pulses) { sine } else { pulses }
 }
 
-/// `None` in a frame of few rows, or a dark one.
-pub(crate) fn of(grey: &Grey<'_>) -> Option<Bands> {
+fn sine(grey: &Grey<'_>) -> Option<Bands> {
     let mut profile = profile(grey)?;
     without_trend(&mut profile);
     let variance = profile.iter().map(|value| value * value).sum::<f64>() / profile.len() as f64;
@@ -30,23 +36,12 @@ pub(crate) fn of(grey: &Grey<'_>) -> Option<Bands> {
     Some(Bands { amplitude: (2.0 * power).sqrt(), periods, purity })
 }
 
-/// The logarithm of the brightness every few rows: from step to step by what most columns change.
+/// The logarithm of the brightness every few rows.
 fn profile(grey: &Grey<'_>) -> Option<Vec<f64>> {
     let mut sum = 0.0;
     let mut profile = vec![0.0];
-    for top in (0..grey.rows.saturating_sub(2 * STEP)).step_by(STEP) {
-        let mean = |column: usize, top: usize| (top..top + STEP).map(|row| grey.at(column, row)).sum::<i32>();
-        let changes = (0..grey.columns).map(|column| (mean(column, top), mean(column, top + STEP)));
-        let sound = changes
-            .filter(|(above, below)| *above.min(below) > 10 * STEP as i32 && *above.max(below) < 254 * STEP as i32);
-        let ratios: Vec<f64> = sound.map(|(above, below)| (f64::from(below) / f64::from(above)).ln()).collect();
-        if ratios.len() * 4 < grey.columns {
-            return None;
-        }
-        // Beside the median a mean of what is near it: ratios of whole levels are coarse.
-        let middle = median(ratios.iter().copied());
-        let near: Vec<f64> = ratios.into_iter().filter(|ratio| (ratio - middle).abs() < 0.1).collect();
-        sum += near.iter().sum::<f64>() / near.len().max(1) as f64;
+    for change in row_changes::of(grey, STEP)? {
+        sum += change;
         profile.push(sum);
     }
     (profile.len() >= 24).then_some(profile)

@@ -191,11 +191,11 @@ fn coarse_levels(measured: &Measurement, _: &Further) -> Option<String> {
 }
 
 fn bands(measured: &Measurement, _: &Further) -> Option<String> {
-    let is_sine = measured.band_amplitude > BAND_AMPLITUDE && measured.band_purity > BAND_PURITY;
-    is_sine.then(|| {
+    let is_periodic = measured.band_amplitude > BAND_AMPLITUDE && measured.band_purity > BAND_PURITY;
+    is_periodic.then(|| {
         format!(
             "brightness goes up and down by {:.1} %, {:.1} times in the frame: a light flickers. Expose for a whole number of \
-             its periods; or use it to measure the readout",
+             its periods; or use it to measure the readout. Look again without: bands pass for noise and halos",
             percent(measured.band_amplitude),
             measured.band_periods
         )

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::grey::Grey;
 use super::robust::median;
+use super::row_changes::Bands;
 use super::{bands, blocks, edge_profile, levels, noise, offsets};
 
 /// In grey levels of 0 to 255 and in pixels.
@@ -57,7 +58,7 @@ impl Measurement {
         let profile = edge_profile::of(grey, noise.sigma);
         let [halo_dark, halo_bright] = profile.halos();
         let bands = bands::of(grey);
-        let band = |value: fn(&bands::Bands) -> f64| bands.as_ref().map_or(0.0, value);
+        let band = |value: fn(&Bands) -> f64| bands.as_ref().map_or(0.0, value);
         Self {
             noise: noise.bins.iter().map(|&(level, sigma)| NoiseAt { level, sigma }).collect(),
             noise_sigma: noise.sigma,

@@ -7,6 +7,8 @@ pub(crate) mod noise;
 pub(crate) mod offsets;
 pub(crate) mod blocks;
 pub(crate) mod edge_profile;
+mod row_changes;
+mod pulses;
 pub(crate) mod bands;
 pub(crate) mod measurement;
 pub(crate) mod findings;

@@ -10,7 +10,8 @@ use base64::engine::general_purpose::STANDARD;
 use image::{DynamicImage, ImageFormat};
 use shutter_range::RangeStatus;
 
-use super::birds_eye;
+use super::birds_eye::{self, BirdsEye, Position};
+use super::ground::Ground;
 use super::markup::escaped;
 use super::report::{Frame, RangeReport};
 use super::rounding::{at_least, decimals, with_sigma};
@@ -43,7 +44,7 @@ impl HtmlReport {
         if let Some(picture) = picture {
             self.sections += &picture_with_edges(picture, frame)?;
         }
-        self.sections += &birds_eye::svg(frame);
+        self.sections += &birds_eye_view(frame);
         self.sections.push_str("</div>\n");
         self.sections += &table(frame);
         self.sections += &hints(frame);
@@ -59,8 +60,9 @@ impl HtmlReport {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src \
              'unsafe-inline'\">\n<meta name=\"viewport\" content=\"width=device-width\">\n<title>Ranges of {} frames</title>\n\
-             <style>\n{STYLE}</style>\n</head>\n<body>\n<h1>Ranges by rolling shutter</h1>\n{LEGEND}{}{}{more}</body>\n</html>\n",
+             <style>\n{STYLE}{}</style>\n</head>\n<body>\n<h1>Ranges by rolling shutter</h1>\n{LEGEND}{}{}{more}</body>\n</html>\n",
             self.frames,
+            birds_eye::STYLE,
             key(),
             self.sections
         );
@@ -130,6 +132,16 @@ fn picture_with_edges(picture: &DynamicImage, frame: &Frame) -> Result<String> {
     }
     svg.push_str("</svg>\n");
     Ok(svg)
+}
+
+/// From where the camera is at the frame's start.
+fn birds_eye_view(frame: &Frame) -> String {
+    /// Beside the picture, not below it.
+    const TALLEST: f64 = 0.7;
+    let ground = Ground::new(frame.gravity);
+    let positions: Vec<Position> =
+        frame.ranges.iter().filter_map(|range| Position::of(range, |point| ground.place(point))).collect();
+    BirdsEye { positions: positions.iter().collect(), path: &[[0.0; 2]], tallest: TALLEST }.svg("", "")
 }
 
 fn label(range: &RangeReport) -> String {

@@ -20,6 +20,7 @@ const COMPLETE: &str = ".simulated";
 pub(crate) const SETUP: &str = "setup.toml";
 pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const TRUTH: &str = "truth.json";
+pub(crate) const TRAJECTORY: &str = "trajectory.csv";
 const FRAME: &str = "frame-";
 pub(crate) const PNG: &str = ".png";
 pub(crate) const RAW: &str = ".raw";
@@ -96,7 +97,7 @@ fn is_of_simulation(name: &str) -> bool {
     let number = name.strip_prefix(FRAME).and_then(|rest| rest.strip_suffix(PNG).or(rest.strip_suffix(RAW)));
     let is_frame =
         number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()));
-    is_frame || [SETUP, SCENE, TRUTH].contains(&name)
+    is_frame || [SETUP, SCENE, TRUTH, TRAJECTORY].contains(&name)
 }
 
 /// Names of all that a folder holds, sorted.

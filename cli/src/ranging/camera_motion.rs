@@ -104,6 +104,11 @@ impl CameraMotion {
         self.starts.is_sequence()
     }
 
+    /// Of a frame, where each has its own.
+    pub(crate) fn exposure_s(&self, number: i64) -> Option<f64> {
+        self.starts.exposure_s(number)
+    }
+
     /// Seconds from the start of a frame to that of the next one; zero where there is none.
     pub(crate) fn to_next_s(&self, number: i64, next: Option<i64>) -> f64 {
         next.map_or(0.0, |next| self.starts.start_s(next) - self.starts.start_s(number))

@@ -40,20 +40,33 @@ pub(crate) struct FrameRanges {
 }
 
 impl FrameSequence {
-    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion, tells_tentative: bool) -> Result<Self> {
+    /// `first` is the number of the first frame.
+    pub(crate) fn new(file: &SetupFile, motion: &CameraMotion, first: i64, tells_tentative: bool) -> Result<Self> {
+        let setup = motion
+            .exposure_s(first)
+            .map_or(Ok(file.setup), |exposure_s| file.setup.with_motion_blur(file.optics.motion_blur(exposure_s)))?;
         let is_unknown = file.optics.lens_blur_px.is_none();
-        let lens = file.setup.motion_blur().filter(|_| is_unknown).copied().map(LensBlur::new);
+        let lens = setup.motion_blur().filter(|_| is_unknown).copied().map(LensBlur::new);
         let sequence = motion.is_sequence().then(Box::default);
         let down = Down::new(file.gravity_source, motion.is_sequence())?;
-        Ok(Self { setup: file.setup, lens, sequence, to_next: None, tells_tentative, down })
+        Ok(Self { setup, lens, sequence, to_next: None, tells_tentative, down })
     }
 
     pub(crate) fn setup(&self) -> &Setup<f64> {
         &self.setup
     }
 
-    /// Begins the next frame; `to_next_s` is how long it is from its start to that of the one after.
-    pub(crate) fn advance(&mut self, motion: &MotionInFrame<'_>, to_next_s: f64) -> Result<()> {
+    /// Begins the next frame; `to_next_s` is how long it is from its start to that of the one after, and `exposure_s` its
+    /// own exposure, where it has one.
+    pub(crate) fn advance(
+        &mut self,
+        motion: &MotionInFrame<'_>,
+        to_next_s: f64,
+        exposure_s: Option<f64>,
+    ) -> Result<()> {
+        if let Some(exposure_s) = exposure_s {
+            self.setup = self.setup.with_exposure_s(exposure_s)?;
+        }
         let to_this = self.to_next.replace((motion.pose(to_next_s), to_next_s));
         if let (Some(sequence), Some((pose, elapsed_s))) = (&mut self.sequence, to_this) {
             self.down.advance(&pose, elapsed_s);
@@ -143,8 +156,10 @@ impl FrameSequence {
     }
 }
 
+/// With the exposure that it has.
 fn with_learned_blur(setup: &Setup<f64>, lens: &mut LensBlur<f64>, ranges: &[Range<f64>]) -> Result<Setup<f64>> {
     ranges.iter().for_each(|range| lens.learn(range));
-    let motion_blur: MotionBlur<f64> = lens.motion_blur();
-    Ok(setup.with_motion_blur(motion_blur)?)
+    let learned: MotionBlur<f64> = lens.motion_blur();
+    let exposure_s = setup.motion_blur().map_or(learned.exposure_s, |blur| blur.exposure_s);
+    Ok(setup.with_motion_blur(learned)?.with_exposure_s(exposure_s)?)
 }

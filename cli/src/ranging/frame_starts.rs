@@ -1,11 +1,11 @@
-//! [`FrameStarts`]: when each frame starts, and whether frames are one sequence at all.
+//! [`FrameStarts`]: when each frame starts and what exposure it has, and whether frames are one sequence at all.
 
 use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
 
 use crate::arguments::MotionArgs;
-use crate::input::frame_times::{self, FrameName};
+use crate::input::frame_times::{self, FrameName, FrameTime};
 use crate::input::setup::SetupFile;
 
 /// Frames have numbers: those of a file of edges, or their places on the command line.
@@ -14,8 +14,7 @@ pub(crate) enum FrameStarts {
     Independent,
     /// So many seconds from one number to the next.
     Every(f64),
-    /// Seconds since the start of the first one.
-    At(BTreeMap<i64, f64>),
+    At(BTreeMap<i64, FrameTime>),
 }
 
 impl FrameStarts {
@@ -38,7 +37,15 @@ impl FrameStarts {
         match self {
             Self::Independent => 0.0,
             Self::Every(interval_s) => number as f64 * interval_s,
-            Self::At(starts) => starts.get(&number).copied().unwrap_or(0.0),
+            Self::At(times) => times.get(&number).map_or(0.0, |time| time.start_s),
+        }
+    }
+
+    /// Of a frame, where each has its own.
+    pub(crate) fn exposure_s(&self, number: i64) -> Option<f64> {
+        match self {
+            Self::Independent | Self::Every(_) => None,
+            Self::At(times) => times.get(&number).and_then(|time| time.exposure_s),
         }
     }
 
@@ -47,9 +54,9 @@ impl FrameStarts {
         match self {
             Self::Independent => None,
             Self::Every(interval_s) => Some(*interval_s),
-            Self::At(starts) => {
-                let pairs = starts.values().zip(starts.values().skip(1));
-                pairs.map(|(before, after)| after - before).reduce(f64::min)
+            Self::At(times) => {
+                let pairs = times.values().zip(times.values().skip(1));
+                pairs.map(|(before, after)| after.start_s - before.start_s).reduce(f64::min)
             }
         }
     }
@@ -65,6 +72,11 @@ impl FrameStarts {
                 "from one frame to the next it is {interval_s} s, but must be at least {readout_s} s, the readout of a \
                  frame in the setup"
             );
+        }
+        if let Self::At(times) = self {
+            for (number, exposure_s) in times.iter().filter_map(|(number, time)| Some((number, time.exposure_s?))) {
+                file.check_exposure_of(&format!("frame {number}"), "exposure_s", exposure_s, interval_s)?;
+            }
         }
         file.check_exposure(interval_s)
     }

@@ -1,5 +1,7 @@
 //! `--frame-times`: sequences whose frames do not come at regular intervals.
 
+use std::fs;
+
 use serde_json::Value;
 
 use crate::simulations::SCENE;
@@ -126,4 +128,50 @@ fn a_trajectory_goes_with_frame_times() {
     let document = frames(&folder, &FILES, &["--frame-times", "times.csv", "--trajectory", "drive.csv"]).json();
     let last: &Value = &document["frames"][2]["ranges"];
     assert!(last.as_array().expect("ranges").iter().all(|range| range["frames"] == 3), "{last}");
+}
+
+/// Automatic exposure goes from 10 to 2 ms between two frames.
+#[test]
+fn each_frame_has_its_exposure() {
+    let base = SETUP
+        .replace("readout_s = ", "response = \"linear\"\nlens_blur_px = 0.7\nreadout_s = ")
+        .replace("sigma_tilt_deg = 0", "sigma_tilt_deg = 0.5");
+    let mut folder = Folder::new().with("setup.toml", &base).with("scene.toml", SCENE);
+    for (name, exposure_s) in [("short", "0.002"), ("long", "0.01")] {
+        folder = folder.with("exposed.toml", base.replace("fx = ", &format!("exposure_s = {exposure_s}\nfx = ")));
+        let arguments = ["simulate", "--setup", "exposed.toml", "--scene", "scene.toml", "--out", name];
+        let outcome = folder.run(&[&arguments[..], &["--frames", "2", "--frame-interval-s", "0.1"]].concat());
+        assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+    }
+    let files = ["long/frame-0000.png", "short/frame-0001.png"];
+    let ranges = |folder: &Folder, times: &str| -> Vec<Value> {
+        fs::write(folder.path().join("times.csv"), times).expect("writing an input file");
+        let document = frames(folder, &files, &["--frame-times", "times.csv"]).json();
+        let of = |frame: usize| document["frames"][frame]["ranges"].as_array().expect("ranges").clone();
+        [of(0), of(1)].concat()
+    };
+    let found = ranges(&folder, "time_s,exposure_s\n0,0.01\n0.1,0.002\n");
+    assert_eq!(found.len(), 8);
+    for range in &found {
+        let true_m = if number(range, "bearing") < 0.1 { 2.0 } else { 3.0 };
+        let sigma_per_m = number(range, "sigma_inverse_depth_per_m");
+        assert_near(number(range, "inverse_depth_per_m"), 1.0 / true_m, 4.0 * sigma_per_m);
+    }
+    // Without an exposure, blur says nothing of the lean of a single frame's edges.
+    let unknown = ranges(&folder, "time_s\n0\n0.1\n");
+    let [with, without] = [&found[0], &unknown[0]].map(|range| number(range, "sigma_inverse_depth_per_m"));
+    assert!(without > 1.5 * with, "{without} for {with}");
+    // That of the other frame contradicts the slope, or moves the distance.
+    let swapped = ranges(&folder, "time_s,exposure_s\n0,0.002\n0.1,0.01\n");
+    let is_wrong = |range: &Value| {
+        let sigma_per_m = number(range, "sigma_inverse_depth_per_m");
+        range["status"] == "leaning" || (number(range, "inverse_depth_per_m") - 0.5).abs() > 4.0 * sigma_per_m
+    };
+    assert!(is_wrong(&swapped[0]), "{}", swapped[0]);
+    let refused = |times: &str| {
+        fs::write(folder.path().join("times.csv"), times).expect("writing an input file");
+        frames(&folder, &files, &["--frame-times", "times.csv"]).stderr
+    };
+    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,\n").contains("line 3: `exposure_s` is empty"));
+    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,0.2\n").contains("frame 1: `exposure_s` is 0.2"));
 }

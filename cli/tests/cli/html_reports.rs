@@ -56,11 +56,14 @@ fn the_birds_eye_view_is_to_scale() {
         .iter()
         .map(|range| (number(range, "bearing") * number(range, "depth_m"), number(range, "depth_m")))
         .collect();
+    let (_, camera) = page.split_once("<path class=\"camera\" d=\"M").expect("the camera");
+    let mut camera = camera.split(' ').map(|number| number.parse::<f64>());
+    let camera = [camera.next(), camera.next()].map(|number| number.expect("two").expect("a number"));
     let px_per_m = (places[0].1 - places[5].1) / (metres[5].1 - metres[0].1);
     assert!(px_per_m > 10.0, "{places:?}");
     for (place, metre) in places.iter().zip(&metres) {
-        assert!((place.0 - 320.0 - px_per_m * metre.0).abs() < 0.5, "{place:?} {metre:?}");
-        assert!((places[0].1 - place.1 - px_per_m * (metre.1 - metres[0].1)).abs() < 0.5, "{place:?} {metre:?}");
+        assert!((place.0 - camera[0] - px_per_m * metre.0).abs() < 0.5, "{place:?} {metre:?}");
+        assert!((camera[1] - place.1 - px_per_m * metre.1).abs() < 0.5, "{place:?} {metre:?}");
     }
 }
 

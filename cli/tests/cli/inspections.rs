@@ -3,7 +3,7 @@
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma};
 use serde_json::Value;
-use shutter_range::sim::{Background, Bar, Exposure, Pipeline, Scene, Simulator, Stage, Texture, ToneCurve};
+use shutter_range::sim::{Background, Bar, Exposure, Flicker, Pipeline, Scene, Simulator, Stage, Texture, ToneCurve};
 use shutter_range::{Setup, Twist};
 
 use crate::painting::{encoded, png};
@@ -17,12 +17,11 @@ const NOISY: Exposure = Exposure { time_s: 0.0005, psf_sigma_px: 0.8, read_noise
 
 /// Dark and bright posts before a wall with a smooth texture, through a camera that does this to its pixels.
 fn seen<const STAGES: usize>(seed: u64, exposure: Exposure, stages: [Stage; STAGES]) -> GrayImage {
-    seen_before(
-        seed,
-        exposure,
-        stages,
-        Background::textured(140.0, Texture { contrast: 12.0, cell: 0.04, seed: seed as u32 }),
-    )
+    seen_before(seed, exposure, stages, wall(seed))
+}
+
+fn wall(seed: u64) -> Background {
+    Background::textured(140.0, Texture { contrast: 12.0, cell: 0.04, seed: seed as u32 })
 }
 
 fn seen_before<const STAGES: usize>(
@@ -30,6 +29,16 @@ fn seen_before<const STAGES: usize>(
     exposure: Exposure,
     stages: [Stage; STAGES],
     background: Background,
+) -> GrayImage {
+    seen_in(seed, exposure, stages, background, None)
+}
+
+fn seen_in<const STAGES: usize>(
+    seed: u64,
+    exposure: Exposure,
+    stages: [Stage; STAGES],
+    background: Background,
+    lamp: Option<Flicker>,
 ) -> GrayImage {
     let mut scene = Scene::<8>::new(background).expect("a scene");
     for (place, (depth_m, level)) in
@@ -41,6 +50,7 @@ fn seen_before<const STAGES: usize>(
     let setup = Setup::pinhole(COLUMNS as u16, ROWS, 600.0_f32, 33_300_000).expect("a camera");
     let motion = Twist::level([-0.5, 0.0, 0.0]).expect("a motion");
     let simulator = Simulator::new(&scene, setup.camera(), setup.readout(), &motion, exposure, seed).expect("sound");
+    let simulator = lamp.map_or(simulator.clone(), |lamp| simulator.with_flicker(lamp).expect("a lamp"));
     let mut camera = Box::new(Pipeline::<COLUMNS, STAGES>::new(stages).expect("sound stages"));
     let mut pixels = Vec::new();
     let mut row_q8 = [0; COLUMNS];
@@ -182,6 +192,39 @@ fn flicker() {
             assert_near(number(&bands["measured"], "band_periods"), periods, 0.3);
             assert_near(number(&bands["measured"], "band_amplitude") / amplitude, 1.0, 0.2);
         }
+    }
+}
+
+/// PWM, pulses and strobes on a wall with posts: hertz, duty, share of the light, exposure.
+#[test]
+fn pulsed_light() {
+    for (frequency_hz, duty, depth, time_s) in [
+        (100.0, 0.15, 0.6, 0.0005),
+        (240.0, 0.5, 0.3, 0.001),
+        (300.0, 0.05, 0.9, 0.0002),
+        (1000.0, 0.3, 0.5, 0.0004),
+        (1000.0, 0.5, 1.0, 0.0003),
+        (5000.0, 0.4, 0.8, 0.000_05),
+    ] {
+        for seed in SEEDS {
+            let lamp = Flicker { frequency_hz, depth, duty: Some(duty) };
+            let lit = seen_in(seed, Exposure { time_s, ..NOISY }, [], wall(seed), Some(lamp));
+            let inspection = inspect(png(lit));
+            let case = format!("{frequency_hz} Hz, duty {duty}, seed {seed}: {:#}", inspection["measured"]);
+            assert!(names(&inspection).contains(&"bands"), "{case}");
+            let periods = f64::from(frequency_hz) * 0.0333;
+            assert!((number(&inspection["measured"], "band_periods") / periods - 1.0).abs() < 0.02, "{case}");
+        }
+    }
+}
+
+/// Whatever is painted on a wall, it does not come back every so many rows.
+#[test]
+fn textures_are_no_bands() {
+    for (seed, (contrast, cell)) in (1..).zip([(40.0, 0.02), (60.0, 0.1), (30.0, 0.3), (60.0, 0.01), (20.0, 0.05)]) {
+        let wall = Background::textured(130.0, Texture { contrast, cell, seed });
+        let inspection = inspect(png(seen_before(seed.into(), NOISY, [], wall)));
+        assert!(!names(&inspection).contains(&"bands"), "{contrast}, {cell}: {:#}", inspection["measured"]);
     }
 }
 

@@ -21,7 +21,7 @@ fn assert_refused(outcome: &Outcome, message: &str) {
     assert_eq!(outcome.stderr, format!("error: {message}\n"));
 }
 
-const OTHERS: [&str; 3] = ["scene.toml", "setup.toml", "truth.json"];
+const OTHERS: [&str; 4] = ["scene.toml", "setup.toml", "trajectory.csv", "truth.json"];
 
 #[track_caller]
 fn assert_frames(folder: &Folder, frames: u32) {
@@ -51,7 +51,7 @@ fn an_earlier_simulation_is_refused_without_overwrite() {
 
 #[test]
 fn any_file_of_an_earlier_simulation_is_refused() {
-    for name in ["frame-0007.png", "frame-123456.png", "scene.toml", "setup.toml", "truth.json"] {
+    for name in ["frame-0007.png", "frame-123456.png", "scene.toml", "setup.toml", "trajectory.csv", "truth.json"] {
         let folder = with_setup();
         folder.make("out");
         let folder = folder.with(&format!("out/{name}"), "content");
@@ -71,7 +71,7 @@ fn overwrite_replaces_all_files_of_the_earlier_simulation_and_no_others() {
     assert_done(&run(&folder, &["--frames", "2", "--seed", "2", "--overwrite"]));
     let expected =
         ["frame-0000.png", "frame-0001.png", "frame-0001.txt", "scene.toml", "seen-frame-0000.png", "setup.toml"];
-    assert_eq!(folder.files_of("out"), [&expected[..], &["truth.json"]].concat());
+    assert_eq!(folder.files_of("out"), [&expected[..], &["trajectory.csv", "truth.json"]].concat());
     assert_ne!(folder.read("out/frame-0000.png"), first);
     assert_eq!(folder.read("out/frame-0001.txt"), b"a note");
 }
@@ -116,7 +116,7 @@ fn interrupted_while_moving() -> Folder {
     let folder = with_setup();
     assert_done(&run(&folder, &["--frames", "2", "--seed", "2"]));
     folder.make("out/.simulated");
-    for name in ["frame-0001.png", "scene.toml", "setup.toml", "truth.json"] {
+    for name in ["frame-0001.png", "scene.toml", "setup.toml", "trajectory.csv", "truth.json"] {
         let moved = fs::rename(folder.path().join("out").join(name), folder.path().join("out/.simulated").join(name));
         moved.expect("moving a file");
     }

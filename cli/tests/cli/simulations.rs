@@ -44,7 +44,10 @@ fn what_is_simulated_is_found() {
     let written: Value = serde_json::from_slice(&folder.read("out/truth.json")).expect("JSON");
     assert_eq!(printed, written);
     let names = ["frame-0000.png", "frame-0001.png", "frame-0002.png"];
-    assert_eq!(folder.files_of("out"), [&names[..], &["scene.toml", "setup.toml", "truth.json"]].concat());
+    assert_eq!(
+        folder.files_of("out"),
+        [&names[..], &["scene.toml", "setup.toml", "trajectory.csv", "truth.json"]].concat()
+    );
     assert_eq!(folder.read("out/setup.toml"), SETUP.as_bytes());
     assert_eq!(folder.read("out/scene.toml"), SCENE.as_bytes());
     let files = names.map(|name| format!("out/{name}"));
