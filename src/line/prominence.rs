@@ -1,5 +1,7 @@
 //! [`Prominence`]: how an edge stands out of what is around its line. docs/model.md, section 7.8.
 
+use heapless::Vec;
+
 use super::tuning::{ALIKE_ROWS, AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LOOK_ROWS};
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
@@ -11,33 +13,11 @@ pub(super) struct Prominence {
     /// Sum of the rows' steps at the line, positive along its polarity, in grey levels times four pixels.
     along: i32,
     rows: u16,
-    /// Steps beside the line as they were first seen, and how they had changed when they were seen again.
-    steps: Sizes,
-    changes: Sizes,
-}
-
-/// A sum of sizes, in grey levels times four pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Sizes {
-    sum: u32,
-    count: u16,
-}
-
-impl Sizes {
-    fn add(&mut self, size: u16) {
-        self.add_all(&Self { sum: size.into(), count: 1 });
-    }
-
-    fn add_all(&mut self, other: &Self) {
-        self.sum = self.sum.saturating_add(other.sum);
-        self.count = self.count.saturating_add(other.count);
-    }
-
-    /// One sigma of normal values, in 1/256: 5/4 of their mean size.
-    fn sigma_q8(&self) -> u64 {
-        (u64::from(self.sum) * 320).checked_div(self.count.into()).unwrap_or(0)
-    }
+    /// Upper quartile of the sizes of the steps beside the line in its first row: other upright edges are few among them.
+    first_step: u16,
+    /// How many steps beside it have changed, and the sum of the sizes of these changes.
+    changes: u16,
+    changes_sum: u32,
 }
 
 impl Prominence {
@@ -46,10 +26,13 @@ impl Prominence {
     pub(super) fn is_by_chance(&self, points: u16, rows: u16) -> bool {
         let (points, rows) = (u64::from(points), u64::from(rows));
         let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
-        // A change has √2 times the sigma of a step. Rounding alone makes one.
-        let is_seen_again = self.changes.count >= LEAST_CHANGES;
-        let changes_q8 = (self.changes.sigma_q8() * 181) >> 8;
-        let sigma_q8 = if is_seen_again { changes_q8 } else { self.steps.sigma_q8() };
+        // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma of a step.
+        let sigma_q8 = if self.changes < LEAST_CHANGES {
+            u64::from(self.first_step) * 237
+        } else {
+            (u64::from(self.changes_sum) * 226).checked_div(self.changes.into()).unwrap_or(0)
+        };
+        // Rounding alone makes one.
         let sigma_q8 = sigma_q8.max(1 << 8);
         // Rows without a point have no contrast; the mean of n rows has √(8/n) of the deviation of one.
         let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
@@ -61,8 +44,8 @@ impl Prominence {
     pub(super) fn add(&mut self, other: &Self) {
         self.along = self.along.saturating_add(other.along);
         self.rows = self.rows.saturating_add(other.rows);
-        self.steps.add_all(&other.steps);
-        self.changes.add_all(&other.changes);
+        self.changes = self.changes.saturating_add(other.changes);
+        self.changes_sum = self.changes_sum.saturating_add(other.changes_sum);
     }
 }
 
@@ -87,17 +70,20 @@ impl Around {
         let reach = i32::from(point.width_q8) >> 7;
         let beside = |off: i32| row.step_at(boundary + off + off.signum() * reach);
         if prominence.rows == 0 {
+            let mut sizes: Vec<u16, { 2 * AROUND_PX.len() }> = Vec::new();
             for step in AROUND_PX.into_iter().flat_map(|off| [beside(off), beside(-off)]).flatten() {
-                prominence.steps.add(step.unsigned_abs());
+                let size = step.unsigned_abs();
+                // There is room for all of them.
+                let _ = sizes.insert(sizes.partition_point(|other| *other < size), size);
             }
+            prominence.first_step = sizes.get((sizes.len() * 3 / 4).saturating_sub(1)).copied().unwrap_or(0);
         } else if point.row.is_multiple_of(LOOK_ROWS) {
             let index = usize::from(point.row / LOOK_ROWS) % AROUND_PX.len();
             let (Some(off), Some(before)) = (AROUND_PX.get(index), self.steps.get_mut(index)) else { return };
             let Some(step) = beside(*off) else { return };
-            if *before == UNSEEN {
-                prominence.steps.add(step.unsigned_abs());
-            } else {
-                prominence.changes.add(step.abs_diff(*before));
+            if *before != UNSEEN {
+                prominence.changes = prominence.changes.saturating_add(1);
+                prominence.changes_sum = prominence.changes_sum.saturating_add(step.abs_diff(*before).into());
             }
             *before = step;
         }
