@@ -111,6 +111,45 @@ fn texture_is_no_bar() {
     assert!(taken.len() <= 1, "more than one in 40 frames: {taken:#?}");
 }
 
+/// Rows of a texture of cells about four pixels wide and high, from a column on.
+fn add_texture(frame: &mut [Vec<u8>], from: usize, random: &mut StdRng) {
+    let cells: Vec<Vec<f32>> =
+        (0..frame.len() / 4 + 2).map(|_| (0..100).map(|_| random.random_range(-40.0..40.0)).collect()).collect();
+    for (y, row) in frame.iter_mut().enumerate() {
+        for (x, pixel) in row.iter_mut().enumerate().skip(from) {
+            let (v, u) = (y as f32 / 4.0, x as f32 / 4.0);
+            let at = |i: usize, j: usize| cells[v as usize + i][u as usize + j];
+            let along = |i| at(i, 0) + (at(i, 1) - at(i, 0)) * u.fract();
+            let texture = along(0) + (along(1) - along(0)) * v.fract();
+            *pixel = (f32::from(*pixel) + texture).clamp(0.0, 255.0) as u8;
+        }
+    }
+}
+
+/// Short bars of clear contrast are no clutter because there is texture a hundred pixels away in their rows.
+#[test]
+fn texture_elsewhere_is_no_clutter() {
+    let world = moving(1.5);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    for seed in 1..9 {
+        let mut scene: Scene<2> = Scene::new(Background::plain(60.0)).expect("sound background");
+        for (bearing, depth_m) in [(-0.4, 1.2), (-0.15, 1.5)] {
+            let bar = Bar::upright(bearing, depth_m, 0.12, 160.0).between(-0.08, 0.08);
+            scene.push(bar).expect("a sound bar");
+        }
+        let (mut frame, truths) = render(&scene, &world, TOP, Exposure::default(), seed);
+        add_texture(&mut frame, 220, &mut StdRng::seed_from_u64(seed));
+        let found = ranges_of(&mut Ranger::<64, 16, 64>::new(), &setup, &world, &frame);
+        let of_bars: Vec<_> =
+            found.iter().filter(|range| range.column_at_first_row < 150.0 && range.points > 24).collect();
+        assert_eq!(of_bars.len(), truths.len(), "seed {seed}: {of_bars:#?}");
+        for (range, truth) in of_bars.into_iter().zip(&truths) {
+            let (_, sigmas) = errors(range, truth);
+            assert!(range.status == RangeStatus::Ok && sigmas.abs() < 4.0, "seed {seed}: {sigmas} sigma, {range:?}");
+        }
+    }
+}
+
 /// One post ends where another one begins, a little to the side of it or right below: two edges, not one with a kink.
 #[test]
 fn posts_above_each_other_stay_two_edges() {

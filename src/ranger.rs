@@ -25,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (136 + 40 `KNOTS`) + 24 `POINTS` + 128 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 128 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -54,10 +54,10 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     frame: Frame,
 }
 
-/// For a small board: 8 lines, 16 edge points a row. 4.3 kB.
+/// For a small board: 8 lines, 16 edge points a row. 4.4 kB.
 pub type SmallRanger = Ranger<8, 8, 16>;
 
-/// For a vision board: 16 lines, 32 edge points a row. 10.7 kB.
+/// For a vision board: 16 lines, 32 edge points a row. 11.3 kB.
 pub type BoardRanger = Ranger<16, 12, 32>;
 
 /// For a desktop: 256 lines, 4096 edge points a row. 0.8 MB: make it in a `static`, or box it.
@@ -158,10 +158,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let pixels = PixelRow { pixels, response: setup.response() };
         tracker.refine(setup.limits(), at, pixels, points);
         tracker.count_points(points.len() as u32);
-        tracker.count_clutter(points, self.scanner.is_textured());
         refine_alone(points, pixels, self.scanner.noise_q8());
         tracker.row(setup.limits(), row, points);
         tracker.learn(row, pixels, self.scanner.noise_q8());
+        tracker.look_around(row, pixels);
         points.clear();
         Ok(())
     }

@@ -134,7 +134,7 @@ impl EdgeModel {
     }
 
     /// Whether many of the rows have texture beside the edge.
-    pub(crate) const fn is_beside_texture(&self) -> bool {
+    const fn is_beside_texture(&self) -> bool {
         self.textured_rows >= FEW_TEXTURED_ROWS && self.textured_rows > self.rows.get() / 4
     }
 

@@ -64,6 +64,21 @@ impl<P: Pixels> PixelRow<'_, P> {
         }
     }
 
+    /// Grey levels of the four pixels on the right of a boundary less those on its left: boundary k lies between pixels k − 1
+    /// and k. `None` at the border.
+    pub(crate) fn step_at(&self, boundary: i32) -> Option<i16> {
+        const SIDE: usize = 4;
+        let from = usize::try_from(boundary).ok()?.checked_sub(SIDE)?;
+        let pixels = from..from + 2 * SIDE;
+        if pixels.end > self.pixels.columns() {
+            return None;
+        }
+        let sum = |sum: i32, level_q8: u16| sum + i32::from(level_q8);
+        let left_q8 = self.pixels.levels_q8(from..from + SIDE).fold(0, sum);
+        let right_q8 = self.pixels.levels_q8(from + SIDE..pixels.end).fold(0, sum);
+        Some(((right_q8 - left_q8) >> 8) as i16)
+    }
+
     /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.
     pub(super) fn kind(&self) -> usize {
         usize::from(self.pixels.mosaic_row() == Some(MosaicRow::Odd))

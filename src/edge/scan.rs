@@ -130,11 +130,6 @@ impl Scanner {
         coarse(&pixels, 2 * least, explained, |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found));
     }
 
-    /// Whether neighbouring windows usually differ by more than twice what noise explains.
-    pub(crate) fn is_textured(&self) -> bool {
-        sigma_of(self.difference_q8) > 2 * self.difference_of_noise_q8()
-    }
-
     /// One sigma of a sliding difference, which sums eight pixels.
     fn difference_of_noise_q8(&self) -> u32 {
         self.noise_q8() * 181 / 64

@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use super::knot::Knot;
+use super::prominence::Prominence;
 use crate::edge::EdgePoint;
 use crate::setup::Readout;
 
@@ -35,8 +36,8 @@ pub struct Line<const KNOTS: usize> {
     pub(crate) first: EdgePoint,
     pub(crate) last: EdgePoint,
     pub(crate) points: u16,
-    /// Rows in which several points belong to no line, or texture lies beside this one.
-    cluttered_rows: u16,
+    /// Of a line of pixels: how it stands out of what is around.
+    pub(super) prominence: Prominence,
     /// Whether it was found in rows of pixels, where nearly every row should show the edge.
     of_pixels: bool,
     /// Rows per knot: 2 to this power.
@@ -55,7 +56,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
             first,
             last: first,
             points: 1,
-            cluttered_rows: 0,
+            prominence: Prominence::default(),
             of_pixels: false,
             span_log2: 0,
         };
@@ -108,7 +109,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         }
         self.last = later.last;
         self.points = self.points.saturating_add(later.points);
-        self.cluttered_rows = self.cluttered_rows.saturating_add(later.cluttered_rows);
+        self.prominence.add(&later.prominence);
         Ok(())
     }
 
@@ -134,17 +135,10 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels = true;
     }
 
-    pub(crate) const fn is_of_pixels(&self) -> bool {
-        self.of_pixels
-    }
-
-    pub(crate) fn count_cluttered_row(&mut self) {
-        self.cluttered_rows = self.cluttered_rows.saturating_add(1);
-    }
-
-    /// Whether more than half of its rows lie in clutter or beside texture.
-    pub(crate) const fn is_cluttered(&self) -> bool {
-        self.cluttered_rows > self.points / 2
+    /// Whether it was found in rows of pixels and stands out so little of what is around that it may be one by chance.
+    pub(crate) fn is_by_chance(&self) -> bool {
+        let rows = self.last.row.abs_diff(self.first.row).saturating_add(1);
+        self.of_pixels && self.prominence.is_by_chance(self.points, rows)
     }
 
     /// The point that was read first.

@@ -1,7 +1,9 @@
 //! From edge points to lines, in integers.
 
+mod tuning;
 mod row_clock;
 mod knot;
+mod prominence;
 mod line;
 mod association;
 mod track;

@@ -2,6 +2,7 @@
 
 use super::association::Prediction;
 use super::line::Line;
+use super::prominence::Around;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
@@ -23,6 +24,7 @@ pub(crate) struct Track<const KNOTS: usize> {
     missed_rows: u16,
     /// Points since the last one that the model has located.
     unexpected_points: u8,
+    around: Around,
     /// It has been beside texture: its edges are stated to be as noisy as they scatter.
     is_beside_texture: bool,
 }
@@ -67,6 +69,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             scatter_q16: MOST_SCATTER_Q16,
             missed_rows: 0,
             unexpected_points: 0,
+            around: Around::UNSEEN,
             is_beside_texture: false,
         }
     }
@@ -212,6 +215,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let off_q16 = i64::from(found.column_q16).abs_diff(prediction.column_q16);
         found.sigma_q16 = self.stated_sigma_q16(found.sigma_q16.max((off_q16 / 2).min(1 << 24) as u32));
         Some(found.at(at.row, at.time_ns))
+    }
+
+    /// Looks at what is around its last point.
+    pub(crate) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
+        let point = *self.line.last();
+        self.around.look(&mut self.line.prominence, row, &point);
     }
 
     /// Whether the line is hidden. It is then no longer located by its model, which would soon take texture for it.

@@ -76,8 +76,6 @@ struct Explained {
     is_seen: bool,
 }
 
-/// A row is cluttered if more points than this belong to no confirmed line.
-const MOST_UNMATCHED_POINTS: usize = 1;
 /// Upper bound of [`Explained::reach_q16`].
 const MAX_REACH_Q16: i64 = 34 << 16;
 
@@ -126,20 +124,6 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
         self.count_missed(limits, row);
         self.stitch_all(limits, row);
-    }
-
-    /// Counts the row as cluttered for the lines under way where it has so many points, or so much texture beside them,
-    /// that some points line up by chance.
-    pub(crate) fn count_clutter(&mut self, points: &[EdgePoint], is_textured: bool) {
-        let is_cluttered = is_textured || points.len() > MOST_UNMATCHED_POINTS;
-        for place in &self.under_way {
-            if let Some(track) = self.tracks.get_mut(usize::from(*place)).and_then(Slot::track_mut) {
-                let beside_texture = track.model.is_some_and(|model| model.is_beside_texture());
-                if (is_cluttered || beside_texture) && !track.is_hidden() {
-                    track.line.count_cluttered_row();
-                }
-            }
-        }
     }
 
     /// Locates the confirmed lines in a row of pixels where they are predicted, and removes the scanned points that this
@@ -212,6 +196,17 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     track.model = model;
                     track.line.mark_as_of_pixels();
                 }
+            }
+        }
+    }
+
+    /// Looks at what is around the confirmed lines that this row has shown.
+    pub(crate) fn look_around<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>) {
+        for place in &self.under_way {
+            let track = self.tracks.get_mut(usize::from(*place)).and_then(Slot::track_mut);
+            let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
+            if let Some(track) = track.filter(is_seen) {
+                track.look_around(pixels);
             }
         }
     }

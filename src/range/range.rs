@@ -162,11 +162,11 @@ impl<S: Scalar> Range<S> {
         self.column_at_last_row = column_at(setup, motion, line3, bottom);
         self.estimate = fitted.estimate;
         self.points_used = line.points_in(fitted.inliers.iter().copied());
-        let is_by_chance = may_be_by_chance(setup, self, line);
         let leans = leans_too_much(setup, &fitted.estimate, is_single);
         // Frames that agree are evidence enough, however short or cluttered the line is in this one.
         let status = if is_single { status_of(setup, line, &fitted.estimate) } else { fitted.estimate.status() };
-        self.status = status.unless(Objection::FittedLean, leans).unless(Objection::Clutter, is_single && is_by_chance);
+        self.status =
+            status.unless(Objection::FittedLean, leans).unless(Objection::Clutter, is_single && line.is_by_chance());
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
@@ -242,16 +242,6 @@ fn leans_too_much<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>, is_single
         prior * S::from_i32(MOST_PRIOR_SIGMAS)
     };
     prior > S::ZERO && estimate.tilt.abs() > most
-}
-
-/// Whether a line of pixels may be one by chance, or joined from pieces of several: a short one where points lie densely
-/// around it, and any with gaps or residuals that a straight edge does not have.
-fn may_be_by_chance<S: Scalar, const KNOTS: usize>(setup: &Setup<S>, range: &Range<S>, line: &Line<KNOTS>) -> bool {
-    let is_short = range.is_short_part_of(setup.readout());
-    let rows = u32::from(range.last_row.abs_diff(range.first_row)) + 1;
-    let has_gaps = u32::from(range.points) * 4 < rows * 3;
-    let fits_badly = range.estimate.misfit > S::ratio(3, 2);
-    line.is_of_pixels() && (has_gaps && fits_badly || is_short && (line.is_cluttered() || has_gaps || fits_badly))
 }
 
 /// Column at which the fitted line crosses the row of `near`, by Newton's iteration along that row; that of `near` itself

@@ -1,0 +1,163 @@
+//! [`Prominence`]: how an edge stands out of what is around its line. docs/model.md, section 7.8.
+
+use heapless::Vec;
+
+use super::tuning::{ALIKE_ROWS, AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LOOK_ROWS};
+use crate::edge::{EdgePoint, PixelRow, Polarity};
+use crate::format::Pixels;
+
+/// Contrast along a line, and how much it changes from row to row along parallel lines around.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Prominence {
+    /// Sum of the rows' steps at the line, positive along its polarity, in grey levels times four pixels.
+    along: i32,
+    rows: u16,
+    /// Upper quartile of the sizes of the steps beside the line in its first row: other upright edges are few among them.
+    first_step: u16,
+    /// How many steps beside it have changed, and the sum of the sizes of these changes.
+    changes: u16,
+    changes_sum: u32,
+}
+
+impl Prominence {
+    /// Whether parallel lines in the texture around would show as much contrast once in many frames, for a line with
+    /// `points` in `rows`.
+    pub(super) fn is_by_chance(&self, points: u16, rows: u16) -> bool {
+        let (points, rows) = (u64::from(points), u64::from(rows));
+        let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
+        // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma of a step.
+        let sigma_q8 = if self.changes < LEAST_CHANGES {
+            u64::from(self.first_step) * 237
+        } else {
+            (u64::from(self.changes_sum) * 226).checked_div(self.changes.into()).unwrap_or(0)
+        };
+        // Rounding alone makes one.
+        let sigma_q8 = sigma_q8.max(1 << 8);
+        // Rows without a point have no contrast; the mean of n rows has √(8/n) of the deviation of one.
+        let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
+        let square = mean_q8 * mean_q8 * ((points * seen_q8 * seen_q8 * seen_q8) >> 24);
+        square < CHANCE_SIGMAS * CHANCE_SIGMAS * ALIKE_ROWS * sigma_q8 * sigma_q8
+    }
+
+    /// Adds what another part of the same line shows.
+    pub(super) fn add(&mut self, other: &Self) {
+        self.along = self.along.saturating_add(other.along);
+        self.rows = self.rows.saturating_add(other.rows);
+        self.changes = self.changes.saturating_add(other.changes);
+        self.changes_sum = self.changes_sum.saturating_add(other.changes_sum);
+    }
+}
+
+/// Steps beside a line when they were last looked at. An upright edge beside it shows the same again, texture does not.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Around {
+    steps: [i16; AROUND_PX.len()],
+}
+
+/// No step: not looked at yet.
+const UNSEEN: i16 = i16::MIN;
+
+impl Around {
+    pub(super) const UNSEEN: Self = Self { steps: [UNSEEN; AROUND_PX.len()] };
+
+    /// Looks at the row of a point, at its line and beside it: at all places in the first row, then at one in every second row.
+    pub(super) fn look<P: Pixels>(&mut self, prominence: &mut Prominence, row: PixelRow<'_, P>, point: &EdgePoint) {
+        // Boundary k lies between pixels k − 1 and k, whose centres are at whole numbers.
+        let boundary = (point.column_q16 >> 16) + 1;
+        let Some(step) = row.step_at(boundary) else { return };
+        let reach = i32::from(point.width_q8) >> 7;
+        let beside = |off: i32| row.step_at(boundary + off + off.signum() * reach);
+        if prominence.rows == 0 {
+            let mut sizes: Vec<u16, { 2 * AROUND_PX.len() }> = Vec::new();
+            for step in AROUND_PX.into_iter().flat_map(|off| [beside(off), beside(-off)]).flatten() {
+                let size = step.unsigned_abs();
+                // There is room for all of them.
+                let _ = sizes.insert(sizes.partition_point(|other| *other < size), size);
+            }
+            prominence.first_step = sizes.get((sizes.len() * 3 / 4).saturating_sub(1)).copied().unwrap_or(0);
+        } else if point.row.is_multiple_of(LOOK_ROWS) {
+            let index = usize::from(point.row / LOOK_ROWS) % AROUND_PX.len();
+            let (Some(off), Some(before)) = (AROUND_PX.get(index), self.steps.get_mut(index)) else { return };
+            let Some(step) = beside(*off) else { return };
+            if *before != UNSEEN {
+                prominence.changes = prominence.changes.saturating_add(1);
+                prominence.changes_sum = prominence.changes_sum.saturating_add(step.abs_diff(*before).into());
+            }
+            *before = step;
+        }
+        let is_falling = point.polarity == Polarity::Falling;
+        prominence.along = prominence.along.saturating_add(i32::from(if is_falling { -step } else { step }));
+        prominence.rows = prominence.rows.saturating_add(1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Around, Prominence};
+    use crate::edge::{EdgePoint, PixelRow, Polarity};
+    use crate::setup::Response;
+
+    const COLUMNS: usize = 128;
+    const COLUMN: usize = 64;
+
+    /// What is told after some rows of an edge at the middle column, in the pixels of `row`.
+    fn after(rows: u16, row: impl Fn(u16) -> [u8; COLUMNS]) -> Prominence {
+        let (mut around, mut prominence) = (Around::UNSEEN, Prominence::default());
+        for index in 0..rows {
+            let pixels = row(index);
+            let pixels = PixelRow { pixels: &pixels, response: &Response::Linear };
+            let column_q16 = ((COLUMN as i32) << 16) - (1 << 15);
+            let point = EdgePoint::new(index, column_q16, i64::from(index)).with_polarity(Polarity::Rising);
+            around.look(&mut prominence, pixels, &point);
+        }
+        prominence
+    }
+
+    /// Squares of `size` pixels, each of a level of its own.
+    fn texture(index: u16, size: usize, contrast: u32) -> [u8; COLUMNS] {
+        core::array::from_fn(|column| {
+            // The finaliser of MurmurHash3.
+            let mut mixed = (column / size) as u32 + (u32::from(index) / size as u32) * 1000;
+            mixed = (mixed ^ (mixed >> 16)).wrapping_mul(0x85eb_ca6b);
+            mixed = (mixed ^ (mixed >> 13)).wrapping_mul(0xc2b2_ae35);
+            mixed ^= mixed >> 16;
+            (100 + mixed % contrast) as u8
+        })
+    }
+
+    fn with_step(mut pixels: [u8; COLUMNS], contrast: u8) -> [u8; COLUMNS] {
+        pixels.iter_mut().skip(COLUMN).for_each(|pixel| *pixel = pixel.saturating_add(contrast));
+        pixels
+    }
+
+    #[test]
+    fn an_edge_before_nothing_is_not_by_chance() {
+        for rows in [8, 40, 400] {
+            let prominence = after(rows, |_| with_step([100; COLUMNS], 12));
+            assert!(!prominence.is_by_chance(rows, rows), "{rows} rows");
+        }
+    }
+
+    #[test]
+    fn texture_decides_by_contrast_and_length() {
+        for (rows, contrast, is_by_chance) in [(12, 40, true), (60, 12, true), (60, 120, false), (200, 60, false)] {
+            let prominence = after(rows, |row| with_step(texture(row, 4, 50), contrast));
+            assert_eq!(prominence.is_by_chance(rows, rows), is_by_chance, "{rows} rows, contrast {contrast}");
+        }
+    }
+
+    /// Other upright edges, however dense, are no texture.
+    #[test]
+    fn a_fence_is_no_texture() {
+        let fence = |_| core::array::from_fn(|column| if column / 4 % 2 == 0 { 180 } else { 60 });
+        assert!(!after(60, fence).is_by_chance(60, 60));
+    }
+
+    #[test]
+    fn gaps_count_against_a_line() {
+        let prominence = after(60, |row| with_step(texture(row, 4, 50), 120));
+        assert!(!prominence.is_by_chance(60, 60) && prominence.is_by_chance(60, 150));
+    }
+}
