@@ -3,6 +3,7 @@
 mod tuning;
 mod point;
 mod pixel_row;
+mod noise;
 mod scan;
 mod spread_function;
 mod weight;

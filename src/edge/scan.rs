@@ -7,8 +7,10 @@
 
 use core::ops::Range;
 
+use super::noise::{Across, Down, WINDOW};
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
+use super::tuning::{LEAST_DIFFERENCE, LEAST_NOISE_Q8, THRESHOLD_SIGMAS, UPRIGHT_RATIO};
 use crate::format::Pixels;
 
 /// A point of an edge as a single row of pixels shows it.
@@ -46,13 +48,16 @@ impl ScannedPoint {
     }
 }
 
-/// Finds the edge points of rows of pixels. All that it remembers is the noise and the texture of the rows so far: 12 bytes.
+/// Finds the edge points of rows of pixels. All that it remembers is the noise and the texture of the rows so far, and a few
+/// pixels of them: 64 bytes.
 ///
 /// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where the
-/// means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma of how
-/// much they usually differ in these rows, be it by noise or by texture.
+/// means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma of what
+/// is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what is usual
+/// across does not, upright edges are usual, as in a fence.
 ///
-/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels. *Cost*: one
+/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels, nor a fence over less
+/// than half of the row whose period goes into 16 pixels. *Cost*: one
 /// addition per pixel, and about ten operations per pixel near an edge.
 ///
 /// ```
@@ -71,25 +76,15 @@ impl ScannedPoint {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Scanner {
-    /// Median size of the second difference of pixels.
-    second_q8: u32,
-    /// Median size of the sliding difference.
-    difference_q8: u32,
-    rows: u32,
+    across: Across,
+    down: Down,
 }
 
 const BLOCK: usize = 16;
-const PAIR: usize = 2 * BLOCK;
 /// Blocks that are looked at together.
 const GROUP: usize = 32;
-/// Half the width of the sliding difference.
-const WINDOW: usize = 4;
 /// Sum of squares of the offsets in the sliding difference, per unit of its area: its own variance as a blur, times 2.
 const OWN_VARIANCE_Q1: i64 = 5;
-/// No noise is taken to be smaller: that of rounding to whole grey levels.
-const LEAST_NOISE_Q8: u32 = 74;
-/// Least sliding difference that counts: six grey levels.
-const LEAST_DIFFERENCE: u32 = 24;
 
 impl Scanner {
     /// Edges at least this far apart have no pixel of their windows in common.
@@ -98,14 +93,13 @@ impl Scanner {
     /// A scanner that has seen nothing yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { second_q8: 0, difference_q8: 0, rows: 0 }
+        Self { across: Across::new(), down: Down::new() }
     }
 
     /// One sigma of a pixel's noise as the rows so far show it, in 1/256 grey level.
     #[must_use]
     pub const fn noise_q8(&self) -> u32 {
-        // A second difference has √6 times the noise, and a median 0.6745 times sigma.
-        let noise_q8 = self.second_q8 / 64 * 39;
+        let noise_q8 = usual(self.across.noise_q8(), self.down.noise_q8());
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
@@ -122,83 +116,47 @@ impl Scanner {
         explained: &[Range<u16>],
         mut found: impl FnMut(ScannedPoint),
     ) {
-        self.learn(&pixels);
-        let noise_q8 = self.noise_q8();
-        let difference = sigma_of(self.difference_q8).max(self.difference_of_noise_q8()).max(LEAST_DIFFERENCE << 6);
-        let least = (4 * difference) >> 8;
-        // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding difference.
-        coarse(&pixels, 2 * least, explained, |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found));
+        self.across.learn(&pixels);
+        self.down.learn(&pixels);
+        let (noise_q8, least) = (self.noise_q8(), self.least_difference());
+        let mut look = |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found);
+        if is_upright(self.across.difference_q8(), self.down.difference_q8()) {
+            // The sums of a fence whose period goes into a block do not differ.
+            look(0, pixels.columns());
+        } else {
+            // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding
+            // difference.
+            coarse(&pixels, 2 * least, explained, look);
+        }
+    }
+
+    /// Least sliding difference that counts, in grey levels.
+    fn least_difference(&self) -> u32 {
+        (THRESHOLD_SIGMAS * self.difference_q8().max(LEAST_DIFFERENCE << 6)) >> 8
+    }
+
+    /// One sigma of what a sliding difference usually is.
+    fn difference_q8(&self) -> u32 {
+        usual(self.across.difference_q8(), self.down.difference_q8()).max(self.difference_of_noise_q8())
     }
 
     /// One sigma of a sliding difference, which sums eight pixels.
     fn difference_of_noise_q8(&self) -> u32 {
         self.noise_q8() * 181 / 64
     }
-
-    /// The first row sets the scale; later ones are sampled and move it little by little. Medians, which edges hardly
-    /// disturb: an upright edge is in the same place row after row.
-    fn learn(&mut self, pixels: &impl Pixels) {
-        // Some four pairs a row are plenty, others in each row.
-        let every = if self.rows == 0 { 1 } else { (pixels.columns() / (8 * BLOCK)).max(2) };
-        let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
-        let is_mosaic = pixels.mosaic_row().is_some();
-        let starts = (first * PAIR..).step_by((every * PAIR).max(PAIR));
-        let middles = || starts.clone().take_while(|at| at + PAIR <= pixels.columns()).map(|at| middle(pixels, at));
-        if self.rows == 0 {
-            self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
-            self.difference_q8 = usual_size(|| middles().map(sliding_difference));
-        }
-        for pixels in middles() {
-            approach(&mut self.second_q8, second_difference(pixels, is_mosaic));
-            approach(&mut self.difference_q8, sliding_difference(pixels));
-        }
-        self.rows = self.rows.wrapping_add(1);
-    }
 }
 
-/// One sigma of normal values from their median size.
-fn sigma_of(median: u32) -> u32 {
-    median * 95 / 64
+/// Whether what is usual across a row is so much less down the rows that it is upright edges.
+const fn is_upright(across: u32, down: u32) -> bool {
+    across / UPRIGHT_RATIO > down
 }
 
-/// Moves a median in 1/256 towards a value by a small step.
-fn approach(median_q8: &mut u32, value: u32) {
-    let step = *median_q8 / 32 + 8;
-    *median_q8 = if value << 8 > *median_q8 { *median_q8 + step } else { median_q8.saturating_sub(step) };
+const fn usual(across: u32, down: u32) -> u32 {
+    if is_upright(across, down) { down } else { across }
 }
 
 fn sum(pixels: &[u8]) -> i32 {
     pixels.iter().map(|pixel| i32::from(*pixel)).sum()
-}
-
-/// The pixels around the middle of a pair of blocks, which the row has.
-fn middle(pixels: &impl Pixels, pair: usize) -> [u8; 2 * WINDOW] {
-    let (mut buffer, middle) = ([0; 2 * WINDOW], pair + BLOCK);
-    grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer).first_chunk().copied().unwrap_or_default()
-}
-
-/// Second difference of three pixels of one colour: its sigma is √6 times the noise.
-fn second_difference(pixels: [u8; 2 * WINDOW], is_mosaic: bool) -> u32 {
-    let [_, _, second, first, centre, third, fourth, _] = pixels.map(i32::from);
-    let ends = if is_mosaic { second + fourth } else { first + third };
-    (ends - 2 * centre).unsigned_abs()
-}
-
-fn sliding_difference(pixels: [u8; 2 * WINDOW]) -> u32 {
-    let [a, b, c, d, e, f, g, h] = pixels.map(i32::from);
-    (e + f + g + h - (a + b + c + d)).unsigned_abs()
-}
-
-/// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.
-fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
-    let mean_up_to = |limit: u32| {
-        let (sum, count) = values().filter(|value| *value <= limit).fold((0, 0), |(s, n), value| (s + value, n + 1));
-        (sum << 8_u32).checked_div(count).unwrap_or(0)
-    };
-    // Three times the mean keeps 98 % of what is normal, whose median is 0.85 of its mean.
-    let rough = mean_up_to(u32::MAX);
-    let finer = mean_up_to((rough * 2) >> 8);
-    mean_up_to((finer * 3) >> 8) * 7 / 8
 }
 
 /// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.

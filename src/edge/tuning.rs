@@ -1,5 +1,28 @@
 //! The numbers of this room that were chosen rather than derived: unit, reason, and the test that breaks without them.
 
+/// Least noise: that of rounding to whole grey levels, in 1/256 (`scanning::noise_is_estimated`).
+pub(super) const LEAST_NOISE_Q8: u32 = 74;
+
+/// Columns of a row in which it is compared with those before (`scanning::fences_are_edges`).
+pub(super) const DOWN_COLUMNS: usize = 8;
+
+/// Once in so many rows, since each comparison costs some two hundred instructions a column (`scanning::fences_are_edges`).
+pub(super) const DOWN_ROWS: u16 = 16;
+
+/// Texture is what changes over so many rows: as far down as the windows of the scanner are apart across
+/// (`clutter::texture_is_no_bar`).
+pub(super) const TEXTURE_LAG: u16 = 4;
+
+/// What is usual across a row is that of upright edges where it is so many times what is usual down the rows: the two are good
+/// to a factor of 1.7 each (`scanning::fences_are_edges`, `scanning::noise_is_no_edge`).
+pub(super) const UPRIGHT_RATIO: u32 = 3;
+
+/// Least difference of two sums of four pixels that counts: six grey levels of contrast (`frames::faint_and_noisy_bars_are_found`).
+pub(super) const LEAST_DIFFERENCE: u32 = 24;
+
+/// A difference counts if it exceeds so many sigma of what is usual: once in 16 000 by chance (`scanning::noise_is_no_edge`).
+pub(super) const THRESHOLD_SIGMAS: u32 = 4;
+
 /// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5 % of
 /// the column's noise (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const CLASS_RATIO: (u16, u16) = (23, 20);

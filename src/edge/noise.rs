@@ -1,0 +1,202 @@
+//! What is usual in a row: [`Across`] it, as neighbouring pixels differ, and [`Down`] from row to row.
+//!
+//! A fence over the whole row is what is usual across. But upright edges hardly change down the rows, where noise and texture do
+//! as much as across: each is taken for what both agree on. All are medians, which the edges that do move hardly disturb.
+
+use super::pixel_row::grey;
+use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, TEXTURE_LAG};
+use crate::format::{MosaicRow, Pixels};
+
+/// Pixels of a sum: half the width of the scanner's sliding difference.
+pub(super) const WINDOW: usize = 4;
+/// Stretches of a row, one difference across each.
+const STRETCH: usize = 32;
+
+/// As neighbouring pixels differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Across {
+    /// Median size of the second difference of pixels.
+    second_q8: u32,
+    /// Median size of the sliding difference.
+    difference_q8: u32,
+    rows: u32,
+}
+
+impl Across {
+    pub(super) const fn new() -> Self {
+        Self { second_q8: 0, difference_q8: 0, rows: 0 }
+    }
+
+    /// One sigma of a pixel's noise, in 1/256 grey level.
+    pub(super) const fn noise_q8(&self) -> u32 {
+        // A second difference has √6 times the noise, and a median 0.6745 times sigma.
+        self.second_q8 / 64 * 39
+    }
+
+    /// One sigma of the sliding difference.
+    pub(super) const fn difference_q8(&self) -> u32 {
+        sigma_of(self.difference_q8)
+    }
+
+    /// The first row sets the scale; later ones are sampled and move it little by little.
+    pub(super) fn learn(&mut self, pixels: &impl Pixels) {
+        // Some four stretches a row are plenty, others in each row.
+        let every = if self.rows == 0 { 1 } else { (pixels.columns() / (STRETCH * 4)).max(2) };
+        let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
+        let is_mosaic = pixels.mosaic_row().is_some();
+        let starts = (first * STRETCH..).step_by((every * STRETCH).max(STRETCH));
+        let middles = || starts.clone().take_while(|at| at + STRETCH <= pixels.columns()).map(|at| middle(pixels, at));
+        if self.rows == 0 {
+            self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
+            self.difference_q8 = usual_size(|| middles().map(sliding_difference));
+        }
+        for pixels in middles() {
+            approach(&mut self.second_q8, second_difference(pixels, is_mosaic));
+            approach(&mut self.difference_q8, sliding_difference(pixels));
+        }
+        self.rows = self.rows.wrapping_add(1);
+    }
+}
+
+/// From row to row, in a few columns of some of the rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Down {
+    /// Median size of the third difference of pixels; zero while there are too few rows.
+    third_q8: u32,
+    /// Likewise of what a sum of four pixels changes by over [`TEXTURE_LAG`] rows, less what one motion of the row explains.
+    change_q8: u32,
+    rows: u16,
+    /// The last three pixels of each column, the last one first.
+    pixels: [[u8; 3]; DOWN_COLUMNS],
+    /// A sum of four pixels from each column on.
+    sums: [u16; DOWN_COLUMNS],
+}
+
+/// A median that is not known: as in an empty scanner, which is all zero bits.
+const UNKNOWN: u32 = 0;
+/// Fewest pixels of a row that has such columns.
+const LEAST_PIXELS: usize = 2 * DOWN_COLUMNS + 16;
+
+impl Down {
+    pub(super) const fn new() -> Self {
+        Self { third_q8: UNKNOWN, change_q8: UNKNOWN, rows: 0, pixels: [[0; 3]; DOWN_COLUMNS], sums: [0; DOWN_COLUMNS] }
+    }
+
+    /// One sigma of a pixel's noise, in 1/256 grey level.
+    pub(super) const fn noise_q8(&self) -> u32 {
+        // A third difference has √20 times the noise, and a median 0.6745 times sigma.
+        if self.third_q8 == UNKNOWN { u32::MAX } else { self.third_q8 * 85 / 256 }
+    }
+
+    /// One sigma of what texture or noise does to the sliding difference: as much as over as many rows.
+    pub(super) const fn difference_q8(&self) -> u32 {
+        if self.change_q8 == UNKNOWN { u32::MAX } else { sigma_of(self.change_q8) }
+    }
+
+    /// Compares some of the rows with those before; of a mosaic every other row counts, since its two kinds differ.
+    pub(super) fn learn(&mut self, pixels: &impl Pixels) {
+        if pixels.columns() < LEAST_PIXELS || pixels.mosaic_row() == Some(MosaicRow::Odd) {
+            return;
+        }
+        let turn = self.rows % DOWN_ROWS;
+        if turn <= 3 {
+            self.compare_pixels(pixels, turn == 3);
+        }
+        if turn == 0 || turn == TEXTURE_LAG {
+            self.compare_sums(pixels, turn == TEXTURE_LAG);
+        }
+        self.rows = self.rows.wrapping_add(1);
+    }
+
+    fn compare_pixels(&mut self, pixels: &impl Pixels, is_last: bool) {
+        let mut thirds = [0; DOWN_COLUMNS];
+        for ((column, third), before) in columns(pixels.columns()).zip(&mut thirds).zip(&mut self.pixels) {
+            let level = (pixels.level_q8(column).saturating_add(128) >> 8) as u8;
+            let [last, second, first] = *before;
+            let [a, b, c, d] = [level, last, second, first].map(i32::from);
+            *third = (a - d + 3 * (c - b)).unsigned_abs();
+            *before = [level, last, second];
+        }
+        if is_last {
+            settle(&mut self.third_q8, &thirds);
+        }
+    }
+
+    /// An edge that moves changes a sum by as much as one that is so far to the side: what one motion of the whole row explains is
+    /// no texture.
+    fn compare_sums(&mut self, pixels: &impl Pixels, is_last: bool) {
+        let mut changes = [(0, 0); DOWN_COLUMNS];
+        for ((column, change), before) in columns(pixels.columns()).zip(&mut changes).zip(&mut self.sums) {
+            let mut buffer = [0; WINDOW + 2];
+            let around = grey(pixels, column - 1..column + WINDOW + 1, &mut buffer).first_chunk();
+            let [left, a, b, c, d, right] = around.copied().unwrap_or([0; WINDOW + 2]).map(i32::from);
+            let sum = a + b + c + d;
+            *change = (sum - i32::from(*before), (right + d - a - left) / 2);
+            *before = sum as u16;
+        }
+        if is_last {
+            let (shared, own) = changes
+                .iter()
+                .fold((0, 0), |(shared, own), (down, aside)| (shared + down * aside, own + aside * aside));
+            let motion_q8 = (shared << 4).checked_div((own >> 4).max(1)).unwrap_or(0).clamp(-1024, 1024);
+            let rest = |(down, aside): (i32, i32)| (down - ((motion_q8 * aside) >> 8)).unsigned_abs();
+            settle(&mut self.change_q8, &changes.map(rest));
+        }
+    }
+}
+
+/// Where rows are compared: at irregular distances, so that no fence has a post at each of them; some pixels off the border.
+fn columns(length: usize) -> impl Iterator<Item = usize> {
+    const OFF: [usize; DOWN_COLUMNS] = [0, 5, 2, 7, 3, 6, 1, 4];
+    let spacing = length.saturating_sub(16) / DOWN_COLUMNS;
+    OFF.into_iter().enumerate().map(move |(index, off)| 1 + index * spacing + off)
+}
+
+/// Moves a median a quarter of the way to that of some values, from twice the first one: so few tell it to a factor of two.
+fn settle(median_q8: &mut u32, values: &[u32; DOWN_COLUMNS]) {
+    let own_q8 = usual_size(|| values.iter().copied());
+    *median_q8 = if *median_q8 == UNKNOWN { 2 * own_q8 } else { (3 * *median_q8 + own_q8) / 4 }.max(1);
+}
+
+/// One sigma of normal values from their median size.
+const fn sigma_of(median: u32) -> u32 {
+    median * 95 / 64
+}
+
+/// Moves a median in 1/256 towards a value by a small step.
+fn approach(median_q8: &mut u32, value: u32) {
+    let step = *median_q8 / 32 + 8;
+    *median_q8 = if value << 8 > *median_q8 { *median_q8 + step } else { median_q8.saturating_sub(step) };
+}
+
+/// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.
+fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
+    let mean_up_to = |limit: u32| {
+        let (sum, count) = values().filter(|value| *value <= limit).fold((0, 0), |(s, n), value| (s + value, n + 1));
+        (sum << 8_u32).checked_div(count).unwrap_or(0)
+    };
+    // Three times the mean keeps 98 % of what is normal, whose median is 0.85 of its mean.
+    let rough = mean_up_to(u32::MAX);
+    let finer = mean_up_to((rough * 2) >> 8);
+    mean_up_to((finer * 3) >> 8) * 7 / 8
+}
+
+/// The pixels around the middle of a stretch, which the row has.
+fn middle(pixels: &impl Pixels, from: usize) -> [u8; 2 * WINDOW] {
+    let (mut buffer, middle) = ([0; 2 * WINDOW], from + STRETCH / 2);
+    grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer).first_chunk().copied().unwrap_or_default()
+}
+
+/// Second difference of three pixels of one colour: its sigma is √6 times the noise.
+fn second_difference(pixels: [u8; 2 * WINDOW], is_mosaic: bool) -> u32 {
+    let [_, _, second, first, centre, third, fourth, _] = pixels.map(i32::from);
+    let ends = if is_mosaic { second + fourth } else { first + third };
+    (ends - 2 * centre).unsigned_abs()
+}
+
+fn sliding_difference(pixels: [u8; 2 * WINDOW]) -> u32 {
+    let [a, b, c, d, e, f, g, h] = pixels.map(i32::from);
+    (e + f + g + h - (a + b + c + d)).unsigned_abs()
+}
