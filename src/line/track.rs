@@ -248,7 +248,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let theirs_q16 = if self.is_beside_texture { young.scatter_q16 } else { 0 };
         let scatter_q16 = u64::from(self.scatter_q16.max(theirs_q16));
         let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
-        let goes_on = off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
+        let is_alike = mine.prominence.is_like(&theirs.prominence);
+        let goes_on = is_alike && off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
         goes_on.then_some(off_q16)
     }
 
