@@ -103,7 +103,7 @@ Statuses:
   leaning       the edge leans more than its prior allows, by its own fit or its blur
   moving        several frames show the edge where a static one cannot be
   bent          no straight line fits
-  cluttered     so many edge points around it that the line may be one by chance
+  cluttered     so much texture around it that the line may be one by chance
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
   tentative     in a sequence, with --all: a line that is cluttered or short, until three frames agree

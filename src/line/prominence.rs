@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::tuning::{ALIKE_ROWS, AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LOOK_ROWS};
+use super::tuning::{ALIKE_ROWS, AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS};
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
 
@@ -38,6 +38,13 @@ impl Prominence {
         let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
         let square = mean_q8 * mean_q8 * ((points * seen_q8 * seen_q8 * seen_q8) >> 24);
         square < CHANCE_SIGMAS * CHANCE_SIGMAS * ALIKE_ROWS * sigma_q8 * sigma_q8
+    }
+
+    /// Whether two lines have the same contrast, within a third.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let mean_q8 = |one: &Self| (i64::from(one.along) << 8).checked_div(one.rows.into()).unwrap_or(0);
+        let (mine, theirs) = (mean_q8(self), mean_q8(other));
+        LIKE_PARTS * mine.min(theirs) >= (LIKE_PARTS - 1) * mine.max(theirs)
     }
 
     /// Adds what another part of the same line shows.
@@ -153,6 +160,13 @@ mod tests {
     fn a_fence_is_no_texture() {
         let fence = |_| core::array::from_fn(|column| if column / 4 % 2 == 0 { 180 } else { 60 });
         assert!(!after(60, fence).is_by_chance(60, 60));
+    }
+
+    #[test]
+    fn lines_of_another_contrast_are_not_alike() {
+        let of = |contrast| after(20, |_| with_step([100; COLUMNS], contrast));
+        assert!(of(60).is_like(&of(60)) && of(60).is_like(&of(45)) && of(45).is_like(&of(60)));
+        assert!(!of(60).is_like(&of(30)) && !of(30).is_like(&of(60)));
     }
 
     #[test]

@@ -3,6 +3,10 @@
 use super::association::Prediction;
 use super::line::Line;
 use super::prominence::Around;
+use super::tuning::{
+    LEAST_MEMORY_POINTS, LEAST_STITCH_POINTS, LIKE_ROWS, MAX_GATE_Q16, MEMORY_POINTS, MOST_GUESSED_ROWS,
+    MOST_SCATTER_Q16, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_MEMORY_POINTS, SCATTER_POINTS,
+};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
@@ -29,34 +33,20 @@ pub(crate) struct Track<const KNOTS: usize> {
     is_beside_texture: bool,
 }
 
+/// What may become of a line next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) enum State {
+    /// Too few points to be sure of it: it is confirmed, or forgotten.
     Tentative,
+    /// It is handed out when it ends.
     Confirmed,
+    /// A confirmed line of pixels that has not been seen for some rows: it ends, or goes on where another line begins. It is no
+    /// longer located by its model, which would soon take texture for it.
+    Hidden,
+    /// It waits to be handed out.
+    Ended,
 }
-
-/// The filter's gain falls with the number of edges down to this one's, so that it can follow a curve.
-const MEMORY_POINTS: i64 = 64;
-const LEAST_MEMORY_POINTS: i64 = 16;
-/// Rows without an edge after which a line of pixels is hidden.
-const MOST_GUESSED_ROWS: u16 = 4;
-/// A line of fewer edges does not tell how steep it is; one of more is one of its own.
-const LEAST_STITCH_POINTS: u16 = 8;
-const MOST_STITCH_POINTS: u16 = 32;
-/// Points in succession that the model has not located, after which it is made anew.
-const MOST_UNEXPECTED_POINTS: u8 = 8;
-/// From so many edges on they tell how much they scatter.
-const SCATTER_POINTS: i64 = 12;
-const SCATTER_MEMORY_POINTS: i64 = 24;
-/// Half a pixel: what scatters more is no edge.
-const MOST_SCATTER_Q16: u16 = 1 << 15;
-/// Root of the number of rows in which texture errs alike.
-const LIKE_ROWS: u32 = 2;
-/// A slope's difference that is no turn, in 1/65536 px per row.
-const NO_TURN_Q16: u64 = 1 << 10;
-/// No gate is wider.
-const MAX_GATE_Q16: i64 = 48 << 16;
 
 impl<const KNOTS: usize> Track<KNOTS> {
     pub(crate) fn new(point: EdgePoint) -> Self {
@@ -115,13 +105,14 @@ impl<const KNOTS: usize> Track<KNOTS> {
             return false;
         }
         self.missed_rows = self.missed_rows.saturating_add(1);
+        if self.state == State::Confirmed && self.model.is_some() && self.missed_rows > MOST_GUESSED_ROWS {
+            self.state = State::Hidden;
+        }
         // The longer a line has been, the longer it may be hidden.
         let gap = match self.state {
             State::Tentative => limits.tentative_gap_rows,
-            State::Confirmed if self.model.is_some() => {
-                limits.gap_rows.saturating_add(self.line.points().saturating_mul(2))
-            }
-            State::Confirmed => limits.gap_rows.saturating_add(self.line.points() / 2),
+            _ if self.model.is_some() => limits.gap_rows.saturating_add(self.line.points().saturating_mul(2)),
+            _ => limits.gap_rows.saturating_add(self.line.points() / 2),
         };
         self.missed_rows > gap
     }
@@ -167,7 +158,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.slope_q16 = slope.clamp(-(1 << 30), 1 << 30) as i32;
         self.missed_rows = 0;
         // A line that leans more than one may begin with is none of ours, however well it is seen.
-        if self.line.points() >= limits.confirm_points && self.slope_q16.unsigned_abs() <= limits.max_slope_q16 {
+        let is_upright = self.slope_q16.unsigned_abs() <= limits.max_slope_q16;
+        if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
             self.state = State::Confirmed;
         }
         true
@@ -223,11 +215,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.around.look(&mut self.line.prominence, row, &point);
     }
 
-    /// Whether the line is hidden. It is then no longer located by its model, which would soon take texture for it.
-    pub(crate) fn is_hidden(&self) -> bool {
-        self.model.is_some() && self.missed_rows > MOST_GUESSED_ROWS
-    }
-
     /// Whether the line is so short that it may continue a hidden one, and long enough for its slope to be known.
     pub(crate) fn is_stitchable(&self) -> bool {
         self.state == State::Confirmed && (LEAST_STITCH_POINTS..=MOST_STITCH_POINTS).contains(&self.line.points())
@@ -237,7 +224,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// edges tell, if they are as noisy as this line's.
     pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u64> {
         let (mine, theirs) = (&self.line, &young.line);
-        if !self.is_hidden() || mine.first().polarity != theirs.first().polarity {
+        if self.state != State::Hidden || mine.first().polarity != theirs.first().polarity {
             return None;
         }
         let prediction = self.predict(theirs.last().row, limits);
@@ -248,7 +235,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let theirs_q16 = if self.is_beside_texture { young.scatter_q16 } else { 0 };
         let scatter_q16 = u64::from(self.scatter_q16.max(theirs_q16));
         let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
-        let goes_on = off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
+        let is_alike = mine.prominence.is_like(&theirs.prominence);
+        let goes_on = is_alike && off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
         goes_on.then_some(off_q16)
     }
 
@@ -263,6 +251,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         }
         self.column_q16 = young.column_q16;
         self.missed_rows = 0;
+        self.state = State::Confirmed;
         true
     }
 }

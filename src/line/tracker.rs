@@ -83,7 +83,8 @@ const MAX_REACH_Q16: i64 = 34 << 16;
 struct Candidate {
     prediction: Prediction,
     slot: usize,
-    state: State,
+    /// Or hidden.
+    is_confirmed: bool,
     polarity: Polarity,
     /// Two edges nearer than this cannot be told apart, because of their noise or their blur.
     blur_q16: i64,
@@ -139,7 +140,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         // Tentative lines are noise as often as not: they must not narrow the window of a confirmed one.
         let mut candidates: Vec<Candidate, LINES> = Vec::new();
         self.predict(limits, at.row, &mut candidates);
-        candidates.retain(|candidate| candidate.state == State::Confirmed);
+        candidates.retain(|candidate| candidate.is_confirmed);
         for (index, candidate) in candidates.iter().enumerate() {
             let slot = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting);
             let Some(track) = slot.and_then(Slot::track_mut) else { continue };
@@ -272,7 +273,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// stitched. Without room, hidden lines take part in the association themselves.
     fn has_room_to_stitch(&self) -> bool {
         let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track());
-        let hidden = tracks.filter(|track| track.is_hidden()).count();
+        let hidden = tracks.filter(|track| track.state == State::Hidden).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
     }
 
@@ -284,11 +285,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let slot = usize::from(*place);
             let track = self.tracks.get(slot).and_then(Slot::track);
             // There is room: one per slot at most.
-            if let Some(track) = track.filter(|track| track.line.last().row != row && !(room && track.is_hidden())) {
-                let (state, polarity) = (track.state, track.line.first().polarity);
+            if let Some(track) =
+                track.filter(|track| track.line.last().row != row && !(room && track.state == State::Hidden))
+            {
+                let (is_confirmed, polarity) = (track.state != State::Tentative, track.line.first().polarity);
                 let (prediction, blur_q16) = (track.predict(row, limits), track.blur_q16());
                 let at = predictions.partition_point(|other| other.prediction.column_q16 <= prediction.column_q16);
-                let _ = predictions.insert(at, Candidate { prediction, slot, state, polarity, blur_q16 });
+                let _ = predictions.insert(at, Candidate { prediction, slot, is_confirmed, polarity, blur_q16 });
             }
         }
         // Lines hardly ever change their order: on the next row they are almost sorted.
@@ -298,12 +301,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
         let mut rest: &mut [Candidate] = predictions;
         while let Some((first, others)) = rest.split_first_mut() {
-            if let Some(second) =
-                others.iter_mut().find(|other| other.state == first.state && other.polarity == first.polarity)
+            if let Some(second) = others
+                .iter_mut()
+                .find(|other| other.is_confirmed == first.is_confirmed && other.polarity == first.polarity)
             {
                 let near_q16 = first.blur_q16.max(second.blur_q16);
                 let apart_q16 = second.prediction.column_q16 - first.prediction.column_q16;
-                if first.state == State::Confirmed && apart_q16 < near_q16 {
+                if first.is_confirmed && apart_q16 < near_q16 {
                     first.prediction.coasting = true;
                     second.prediction.coasting = true;
                 }
@@ -321,12 +325,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         points: impl Iterator<Item = &'e EdgePoint>,
         polarity: Polarity,
     ) {
-        let lines = |state| {
-            let among = move |candidate: &&Candidate| candidate.state == state && candidate.polarity == polarity;
+        let lines = |is_confirmed| {
+            let among =
+                move |candidate: &&Candidate| candidate.is_confirmed == is_confirmed && candidate.polarity == polarity;
             candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
         };
-        let mut confirmed = Association::over(lines(State::Confirmed));
-        let mut tentative = Association::over(lines(State::Tentative));
+        let mut confirmed = Association::over(lines(true));
+        let mut tentative = Association::over(lines(false));
         let last = |settled, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
             Outcome::Unmatched(point) => tracker.begin(point),
@@ -416,8 +421,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Ends a confirmed line and forgets a tentative one.
     fn finish(&mut self, place: u16) {
-        let track = self.tracks.get(usize::from(place)).and_then(Slot::track);
-        if track.is_some_and(|track| track.state == State::Confirmed) {
+        let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::track_mut);
+        if let Some(track) = track.filter(|track| track.state != State::Tentative) {
+            track.state = State::Ended;
             // There is room: one place for each slot.
             let _ = self.ended.push(place);
         } else {

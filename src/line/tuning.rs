@@ -1,9 +1,9 @@
-//! The numbers of this room that were chosen rather than derived: unit, reason, and the test that breaks without them.
+//! The numbers of this room that were chosen rather than derived: unit, reason, and the tests that watch them.
 
 /// A line is one by chance unless its mean contrast exceeds that of parallel lines around by so many of their deviations. A frame
 /// has some 10⁵ places for a line, which normal values need 4.5 for; texture has longer tails, the tracker follows what is
-/// strongest, and crossing bars are coherent (`false_distances::of_clutter` with 10; fewer real edges with more).
-pub(super) const CHANCE_SIGMAS: u64 = 11;
+/// strongest, and crossing bars are coherent (`false_distances::of_clutter` with 11; fewer real edges with more).
+pub(super) const CHANCE_SIGMAS: u64 = 12;
 
 /// Rows of texture that err alike: 2 to 4 were found in gravel, 8 where its cells are 12 px high (`false_distances::of_texture`).
 pub(super) const ALIKE_ROWS: u64 = 8;
@@ -18,3 +18,43 @@ pub(super) const LOOK_ROWS: u16 = 2;
 /// So many changes tell how much the texture changes; with fewer, everything around a line counts as texture, also upright
 /// edges (`false_distances::of_texture`).
 pub(super) const LEAST_CHANGES: u16 = 8;
+
+/// A line is stitched to another whose contrast is at least all but one of so many parts of its own: texture passes for the rest of
+/// an edge where its place alone decides (`prominence::lines_of_another_contrast_are_not_alike`; on a photograph 30 % of lines
+/// ran on by more than a third of their edge without it, and 18 % with it).
+pub(super) const LIKE_PARTS: i64 = 3;
+
+/// The filter's gain falls with the number of points down to this one's, so that it can follow a curve; fewer where rows are
+/// sparse (`tracking::curved_edges_are_one_line`).
+pub(super) const MEMORY_POINTS: i64 = 64;
+pub(super) const LEAST_MEMORY_POINTS: i64 = 16;
+
+/// Rows without an edge after which a line of pixels is hidden: its model would soon take texture for it
+/// (`frames::a_line_goes_on_behind_a_rail`).
+pub(super) const MOST_GUESSED_ROWS: u16 = 4;
+
+/// A line of fewer points does not tell how steep it is; one of more is one of its own
+/// (`frames::a_line_goes_on_behind_a_rail`, `clutter::posts_above_each_other_stay_two_edges`).
+pub(super) const LEAST_STITCH_POINTS: u16 = 8;
+pub(super) const MOST_STITCH_POINTS: u16 = 32;
+
+/// A slope's difference that is no turn, in 1/65536 px per row (`frames::a_line_goes_on_behind_a_rail`).
+pub(super) const NO_TURN_Q16: u64 = 1 << 10;
+
+/// Points in succession that the model has not located, after which it is made anew: it was made from something else
+/// (`frames::bars_are_found_through_long_motion_blur`).
+pub(super) const MOST_UNEXPECTED_POINTS: u8 = 8;
+
+/// From so many points on they tell how much they scatter, as a mean over the second number of points
+/// (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const SCATTER_POINTS: i64 = 12;
+pub(super) const SCATTER_MEMORY_POINTS: i64 = 24;
+
+/// Half a pixel, in 1/65536 px: what scatters more is no edge (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const MOST_SCATTER_Q16: u16 = 1 << 15;
+
+/// Root of the number of rows in which texture errs alike (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const LIKE_ROWS: u32 = 2;
+
+/// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
+pub(super) const MAX_GATE_Q16: i64 = 48 << 16;

@@ -216,7 +216,7 @@ impl<S: Scalar> Range<S> {
     }
 }
 
-/// Points on less than a fifth of the rows: what clutter strings together by chance is seldom longer.
+/// Points on less than a fifth of the rows.
 const SHORT_PART: u16 = 5;
 
 /// What an estimate is worth, if the line has points enough.
