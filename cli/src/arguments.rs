@@ -8,13 +8,13 @@ use shutter_range::format::PixelFormat;
 use shutter_range::sim::Swing;
 
 use crate::argument_values::{
-    above_zero, clock_offset, contrast, frequency, frequency_sigma, html_path, interval, interval_of_a_sequence,
-    megahertz, png_path, roll, svg_path, swing_angle, swing_frequency,
+    above_zero, clock_offset, contrast, html_path, interval, megahertz, png_path, svg_path, swing_angle,
+    swing_frequency,
 };
+use crate::calibrate_arguments::CalibrateCommand;
 use crate::help;
-use crate::input::camera_file::CameraSource;
 use crate::input::raw_frame::RawFrame;
-use crate::input::setup::SetupSource;
+use crate::setup_arguments::{CameraArgs, MotionArgs, SetupArgs};
 
 /// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than far
 /// ones.
@@ -71,80 +71,6 @@ pub(crate) enum Command {
     /// Image sensors and their modes: line time, frame readout, and how well that is known
     #[command(after_help = help::SENSORS)]
     Sensors,
-}
-
-#[derive(Subcommand)]
-pub(crate) enum CalibrateCommand {
-    /// Line time and readout from frames of something that a flickering lamp lights, with the camera at rest
-    #[command(after_help = help::FLICKER)]
-    Flicker(FlickerArgs),
-    /// Focal length times line time, and a constant tilt, from passes at known distance and speed
-    #[command(after_help = help::SCALE)]
-    Scale(ScaleArgs),
-    /// Offset of the gyroscope's clock, and roll and pitch of the camera, from some seconds of turning before upright edges
-    #[command(after_help = help::IMU)]
-    Imu(ImuArgs),
-}
-
-#[derive(Args)]
-pub(crate) struct ImuArgs {
-    /// Frames of a camera that turns back and forth where it stands, with upright edges some metres away
-    #[arg(required = true, value_name = "FRAME")]
-    pub(crate) files: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) setup: SetupArgs,
-    #[command(flatten)]
-    pub(crate) motion: MotionArgs,
-    /// Draw the leans of the edges, before and after
-    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
-    pub(crate) svg: Option<PathBuf>,
-}
-
-#[derive(Args)]
-pub(crate) struct FlickerArgs {
-    /// Two frames or more, in their order: bands must move from one to the next
-    #[arg(required = true, value_name = "FRAME")]
-    pub(crate) files: Vec<PathBuf>,
-    /// How often the light flickers: 100 or 120 for lamps on mains of 50 or 60 Hz, else the frequency of its PWM or strobe
-    #[arg(long, value_name = "HZ", value_parser = frequency)]
-    pub(crate) frequency_hz: f64,
-    /// How well that is known, one standard deviation; default: 0.04 % for 100 and 120 Hz, 100 ppm otherwise
-    #[arg(long, value_name = "HZ", value_parser = frequency_sigma)]
-    pub(crate) sigma_hz: Option<f64>,
-    /// Exposure of a row, which may explain why there are no bands
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
-    pub(crate) exposure_s: Option<f64>,
-    /// Frame rate of the camera, which bounds the readout where the lamp flickers faster than the rows
-    #[arg(long, value_name = "HZ", value_parser = above_zero)]
-    pub(crate) frame_rate_hz: Option<f64>,
-    /// The files are dumps of pixels without a header, row by row from the top; their format is gray8 unless stated
-    #[arg(long, value_name = "WIDTHxHEIGHT[:FORMAT]")]
-    pub(crate) raw: Option<RawFrame>,
-    /// Draw the bands of the first two frames
-    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
-    pub(crate) svg: Option<PathBuf>,
-}
-
-#[derive(Args)]
-pub(crate) struct ScaleArgs {
-    /// CSV with the header speed_m_s,distance_m and one of slope, angle_deg and frame
-    #[arg(value_name = "PASSES.csv")]
-    pub(crate) file: PathBuf,
-    /// Focal length in pixels, if it is known: gives the line time
-    #[arg(long, value_name = "PIXELS", value_parser = above_zero)]
-    pub(crate) focal_px: Option<f64>,
-    /// Readout of the frame, if it is known: gives the focal length
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "focal_px")]
-    pub(crate) readout_s: Option<f64>,
-    /// Rows of the frame, for the focal length
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub(crate) rows: Option<u16>,
-    /// How well the camera's roll is known to be none, one standard deviation; 0: exactly. Default: it is fitted
-    #[arg(long, value_name = "DEGREES", value_parser = roll)]
-    pub(crate) sigma_roll_deg: Option<f64>,
-    /// Draw the passes and the fit
-    #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
-    pub(crate) svg: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -206,58 +132,6 @@ pub(crate) struct SetupFileArgs {
     pub(crate) clock_mhz: Option<f64>,
     #[command(flatten)]
     pub(crate) camera: CameraArgs,
-}
-
-#[derive(Args)]
-pub(crate) struct SetupArgs {
-    /// Camera, motion and attitude (TOML)
-    #[arg(long = "setup", value_name = "FILE")]
-    pub(crate) path: PathBuf,
-    #[command(flatten)]
-    pub(crate) camera: CameraArgs,
-}
-
-#[derive(Args)]
-pub(crate) struct CameraArgs {
-    /// A camera calibrated by another program, for keys of [camera]: ROS camera_info, OpenCV's YAML or XML, Kalibr's
-    /// camchain, a lens profile of Gyroflow
-    #[arg(id = "camera", long = "camera", value_name = "FILE")]
-    pub(crate) path: Option<PathBuf>,
-    /// Which camera of the file, such as cam1
-    #[arg(long = "camera-name", value_name = "NAME", requires = "camera")]
-    pub(crate) name: Option<String>,
-}
-
-impl CameraArgs {
-    pub(crate) fn source(&self) -> Option<CameraSource<'_>> {
-        self.path.as_deref().map(|path| CameraSource { path, name: self.name.as_deref() })
-    }
-}
-
-impl SetupArgs {
-    pub(crate) fn source(&self) -> SetupSource<'_> {
-        SetupSource { path: &self.path, camera: self.camera.source(), has_trajectory: false }
-    }
-}
-
-/// How the camera moves from frame to frame.
-#[derive(Args)]
-pub(crate) struct MotionArgs {
-    /// Makes one sequence of the frames: seconds from the start of one to the start of the next. The setup's motion is
-    /// then that at the start of the first frame, and continues; otherwise it is that of every frame
-    #[arg(long, value_name = "SECONDS", value_parser = interval_of_a_sequence, allow_negative_numbers = true)]
-    pub(crate) frame_interval_s: Option<f64>,
-    /// The same for frames that do not come at regular intervals: CSV with the header `time_s`, one line for each frame in
-    /// their order, or `name,time_s`; only differences count. A column `exposure_s` has the exposure of each frame
-    #[arg(long, value_name = "FILE", conflicts_with = "frame_interval_s")]
-    pub(crate) frame_times: Option<PathBuf>,
-    /// Measured motion instead of the setup's velocity and rotation rate: CSV with the header time_s,vx,vy,vz,wx,wy,wz
-    /// and optionally gx,gy,gz, of which columns may be missing
-    #[arg(long, value_name = "FILE")]
-    pub(crate) trajectory: Option<PathBuf>,
-    /// Also tell the lines of a sequence that too few frames agree on so far: status `tentative`
-    #[arg(long)]
-    pub(crate) all: bool,
 }
 
 #[derive(Args)]

@@ -3,6 +3,8 @@
 mod input;
 mod help;
 mod argument_values;
+mod setup_arguments;
+mod calibrate_arguments;
 mod arguments;
 mod ranging;
 mod inspection;
@@ -14,7 +16,8 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::Parser;
 
-use crate::arguments::{CalibrateCommand, Cli, Command, FlickerArgs, FrameArgs, ImuArgs, PlanArgs, ScaleArgs};
+use crate::arguments::{Cli, Command, FrameArgs, PlanArgs};
+use crate::calibrate_arguments::{CalibrateCommand, FlickerArgs, ImuArgs, ScaleArgs};
 use crate::command::{
     calibrate_flicker, calibrate_imu, calibrate_scale, edges, figures, frame, inspect, plan, sensors, setup, simulate,
     table2,

@@ -8,7 +8,7 @@ use image::GrayImage;
 use serde::Serialize;
 use shutter_range::calibrate::{FlickerMeter, FlickerRefusal, Lamp, LineTime};
 
-use crate::arguments::FlickerArgs;
+use crate::calibrate_arguments::FlickerArgs;
 use crate::input::picture::{self, PictureFormat};
 use crate::input::size::Size;
 use crate::output::chart::{Axis, Chart};

@@ -9,7 +9,7 @@ use shutter_range::calibrate::{ImuCalibration, ImuEstimate, ImuRefusal};
 use shutter_range::{Line, Motion, Polarity, Setup, Uncertainty, fit};
 
 use super::frame;
-use crate::arguments::{ImuArgs, MotionArgs};
+use crate::calibrate_arguments::ImuArgs;
 use crate::input::frame_times::FrameName;
 use crate::input::picture::{self, PictureFormat};
 use crate::input::repeated_stamps::Sample;
@@ -20,6 +20,7 @@ use crate::output::progress;
 use crate::output::rounding::with_sigma;
 use crate::ranging::camera_motion::CameraMotion;
 use crate::ranging::tracking::KNOTS;
+use crate::setup_arguments::MotionArgs;
 
 /// The clock a step early and late: short against any swing, long against the rounding of stamps.
 const STEP_S: f64 = 0.002;

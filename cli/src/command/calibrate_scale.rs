@@ -9,7 +9,7 @@ use shutter_range::calibrate::{Pass, Scale, ScaleRefusal, fit_scale};
 use shutter_range::{Line, Setup};
 
 use super::frame;
-use crate::arguments::ScaleArgs;
+use crate::calibrate_arguments::ScaleArgs;
 use crate::input::pass_file::{self, FilePass, Slope};
 use crate::input::picture::{self, PictureFormat};
 use crate::output::chart::{Axis, Chart};

@@ -6,7 +6,6 @@ use std::path::Path;
 use anyhow::{Context, Error, Result, anyhow, bail};
 use shutter_range::Line;
 
-use crate::arguments::MotionArgs;
 use crate::input::bounded_read;
 use crate::input::edge_file::{self, FilePoint, LIMIT};
 use crate::input::frame_times::FrameName;
@@ -16,6 +15,7 @@ use crate::ranging::camera_motion::{CameraMotion, MotionInFrame};
 use crate::ranging::frame_sequence::FrameSequence;
 use crate::ranging::stamps;
 use crate::ranging::tracking::{self, KNOTS, Tracked};
+use crate::setup_arguments::MotionArgs;
 
 pub(crate) fn ranges(path: &Path, setup: &SetupFile, motion: &MotionArgs) -> Result<Document> {
     let name = path.display().to_string();

@@ -8,11 +8,11 @@ use shutter_range::{
 };
 
 use super::frame_starts::FrameStarts;
-use crate::arguments::{MotionArgs, SetupArgs};
 use crate::input::frame_times::FrameName;
 use crate::input::repeated_stamps::Sample;
 use crate::input::setup::{self, SetupFile, SetupSource};
 use crate::input::trajectory_file;
+use crate::setup_arguments::{MotionArgs, SetupArgs};
 
 /// A trajectory has at most this many samples from the start of one frame to that of the next.
 const SAMPLES: usize = 4096;

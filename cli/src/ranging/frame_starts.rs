@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, ensure};
 
-use crate::arguments::MotionArgs;
 use crate::input::frame_times::{self, FrameName, FrameTime};
 use crate::input::setup::SetupFile;
+use crate::setup_arguments::MotionArgs;
 
 /// Frames have numbers: those of a file of edges, or their places on the command line.
 pub(crate) enum FrameStarts {

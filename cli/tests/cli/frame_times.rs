@@ -168,10 +168,15 @@ fn each_frame_has_its_exposure() {
         range["status"] == "leaning" || (number(range, "inverse_depth_per_m") - 0.5).abs() > 4.0 * sigma_per_m
     };
     assert!(is_wrong(&swapped[0]), "{}", swapped[0]);
+}
+
+#[test]
+fn exposures_that_are_refused() {
     let refused = |times: &str| {
-        fs::write(folder.path().join("times.csv"), times).expect("writing an input file");
-        frames(&folder, &files, &["--frame-times", "times.csv"]).stderr
+        let folder = simulated().with("times.csv", times);
+        frames(&folder, &FILES, &["--frame-times", "times.csv"]).stderr
     };
-    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,\n").contains("line 3: `exposure_s` is empty"));
-    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,0.2\n").contains("frame 1: `exposure_s` is 0.2"));
+    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,\n0.2,1\n").contains("line 3: `exposure_s` is empty"));
+    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,0.2\n0.2,0.002\n").contains("frame 1: `exposure_s` is 0.2"));
+    assert!(refused("time_s,exposure_s\n0,0\n0.1,0.2\n0.2,0.002\n").contains("line 2: `exposure_s` is `0`"));
 }
