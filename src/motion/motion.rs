@@ -29,7 +29,20 @@ impl<S: Scalar> Pose<S> {
     /// Rotates a direction from the camera's axes at this time into those at frame start.
     #[must_use]
     pub fn rotate(&self, direction: [S; 3]) -> [S; 3] {
-        self.rotation.map(|row| dot(row, direction))
+        let [x, y, z] = self.rotation;
+        [dot(x, direction), dot(y, direction), dot(z, direction)]
+    }
+
+    /// The camera's z axis in the axes at frame start.
+    pub(crate) fn ahead(&self) -> [S; 3] {
+        let [[.., x], [.., y], [.., z]] = self.rotation;
+        [x, y, z]
+    }
+
+    /// [`rotate`](Self::rotate) of a direction across the camera's z axis.
+    pub(crate) fn rotate_across(&self, [u, w]: [S; 2]) -> [S; 3] {
+        let [[xx, xy, _], [yx, yy, _], [zx, zy, _]] = self.rotation;
+        [xx * u + xy * w, yx * u + yy * w, zx * u + zy * w]
     }
 
     /// Position and attitude after moving on for a time at a velocity and a rotation rate that are constant *in the
@@ -48,7 +61,8 @@ impl<S: Scalar> Pose<S> {
 /// [`Twist`](crate::Twist) is the usual one, and [`Trajectory`](crate::Trajectory) makes one from what sensors deliver;
 /// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
-    /// Pose `time_s` seconds after frame start. Called two to three times for each knot of a line.
+    /// Pose `time_s` seconds after frame start. Called once or twice for each knot of a line, whose
+    /// rows are taken to pass at the velocity and the rate that are told there.
     fn pose(&self, time_s: S) -> Pose<S>;
 
     /// Whether the camera does not turn during the frame, so that each pose has the identity for its rotation: the solver then

@@ -2,47 +2,63 @@
 
 use crate::scalar::{Scalar, add, cross, dot, scale};
 
-/// A rotation by a rotation vector φ (axis times angle), with `A = sin φ / φ`, `B = (1 − cos φ) / φ²` and
-/// `C = (φ − sin φ) / φ³`.
+/// A rotation by a rotation vector φ (axis times angle), with `A = sin φ / φ` and `B = (1 − cos φ) / φ²`.
 pub(super) struct Rotation<S> {
     vector: [S; 3],
+    /// φ²
+    square: S,
     a: S,
     b: S,
-    c: S,
 }
 
-/// A, 2 B and 6 C from the square of the angle.
-fn series<S: Scalar>(square: S) -> (S, S, S) {
+/// A, B and `C = (φ − sin φ) / φ³` from the square of an angle of up to one radian, good to 10⁻¹².
+fn series<S: Scalar>(square: S) -> [S; 3] {
     let (mut a, mut b, mut c) = (S::ONE, S::ONE, S::ONE);
     for k in (1..=7).rev() {
         c = a;
         a = S::ONE - a * square * S::ratio(1, 2 * k * (2 * k + 1));
         b = S::ONE - b * square * S::ratio(1, (2 * k + 1) * (2 * k + 2));
     }
-    (a, b, c)
+    [a, b.half(), c * S::ratio(1, 6)]
 }
 
-/// The first three terms of the same, written out so that no constant is divided at run time.
-fn short_series<S: Scalar>(square: S) -> (S, S, S) {
-    let next = |rest: S, part: S| S::ONE - rest * square * part;
-    let c = next(next(S::ONE, S::ratio(1, 42)), S::ratio(1, 20));
-    let b = next(next(next(S::ONE, S::ratio(1, 56)), S::ratio(1, 30)), S::ratio(1, 12));
-    (next(c, S::ratio(1, 6)), b, c)
+/// The same of an angle of up to a sixteenth of a radian, as most are within a frame, from the first terms: 1/n! with every
+/// second n.
+#[inline(always)] // so that no constant is divided at run time
+fn short_series<S: Scalar>(square: S, [first, second, third, fourth]: [i32; 4]) -> S {
+    let last = S::ratio(1, third) - square * S::ratio(1, fourth);
+    S::ratio(1, first) - square * (S::ratio(1, second) - square * last)
 }
+
+/// Squares of angles below one over this are those of small angles.
+const SMALL: i32 = 256;
 
 impl<S: Scalar> Rotation<S> {
     /// Up to one radian by a series, because the angles within a frame are small and a back end's own trigonometry may be
-    /// coarse. The series is good to 10⁻¹².
+    /// coarse.
     pub(super) fn from_vector(vector: [S; 3]) -> Self {
         let square = dot(vector, vector);
-        if square > S::ONE {
+        let [a, b] = if square < S::ratio(1, SMALL) {
+            [short_series(square, [1, 6, 120, 5_040]), short_series(square, [2, 24, 720, 40_320])]
+        } else if square > S::ONE {
             let angle = square.sqrt();
-            let a = angle.sin() / angle;
-            return Self { vector, a, b: (S::ONE - angle.cos()) / square, c: (S::ONE - a) / square };
+            [angle.sin() / angle, (S::ONE - angle.cos()) / square]
+        } else {
+            let [a, b, _] = series(square);
+            [a, b]
+        };
+        Self { vector, square, a, b }
+    }
+
+    fn c(&self) -> S {
+        if self.square < S::ratio(1, SMALL) {
+            short_series(self.square, [6, 120, 5_040, 362_880])
+        } else if self.square > S::ONE {
+            (S::ONE - self.a) / self.square
+        } else {
+            let [.., c] = series(self.square);
+            c
         }
-        // Within a frame the angle is mostly below a sixteenth of a radian, where three terms are as good.
-        let (a, b, c) = if square < S::ratio(1, 256) { short_series(square) } else { series(square) };
-        Self { vector, a, b: b * S::ratio(1, 2), c: c * S::ratio(1, 6) }
     }
 
     /// The rotation matrix, as rows: `I + A [φ]× + B [φ]×²`, with `[φ]×² = φ φᵀ − φ² I`.
@@ -66,7 +82,7 @@ impl<S: Scalar> Rotation<S> {
     ///
     /// *Source*: the left Jacobian of SO(3).
     pub(super) fn displacement(&self, path: [S; 3]) -> [S; 3] {
-        self.second_order(path, self.b, self.c)
+        self.second_order(path, self.b, self.c())
     }
 
     /// `v + p φ×v + q φ×(φ×v)`

@@ -30,7 +30,7 @@ use super::status::RangeStatus;
 use super::wander::{Residual, Stretch, Wander};
 use crate::error::FitError;
 use crate::motion::Motion;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, over};
 use crate::setup::Setup;
 
 const PS_PER_S: i64 = 1_000_000_000_000;
@@ -42,7 +42,7 @@ const PS_PER_S: i64 = 1_000_000_000_000;
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
-/// *Cost*: two poses and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the tilt
+/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the tilt
 /// is free or outliers must be rejected. docs/budget.md has instructions and stack.
 ///
 /// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the paper's equation (3).
@@ -75,6 +75,8 @@ pub(crate) struct Fitted<S, const N: usize> {
 }
 
 /// [`fit`] with a prior.
+// Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
+#[inline(never)]
 pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
@@ -95,25 +97,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     let solved = problem.settle_without_outliers(solved)?;
     let goodness_of_fit = problem.goodness_of_fit(&solved);
     let solved = problem.settle_with_wander(solved)?;
-    let Solved { at, line3, solution, is_in_front, has_settled } = &solved;
-    let Problem { observations, equations, .. } = &problem;
-    let sensitivity = Settled { setup, motion, prior, observations, equations, at, solution }.sensitivity();
-    // Between several places the rounds tell nothing of the depth.
-    let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
-    let state = LineState { line3: *line3, covariance: solution.covariance().and(unsettled), sensitivity };
-    let estimate = Estimate::new(&state, setup, &goodness_of_fit);
-    if !estimate.is_finite() {
-        return Err(FitError::Diverged);
-    }
-    // The equations do not know that a camera passes no edge within a frame.
-    let passes = estimate.status() == RangeStatus::Ok && !is_in_front;
-    let estimate = Estimate { bent: estimate.bent || passes, ..estimate };
-    let mut inliers = Vec::new();
-    for observation in &problem.observations {
-        // There is room: as many as observations. `collect` could panic.
-        let _ = inliers.push(observation.is_inlier);
-    }
-    Ok(Fitted { estimate, state, inliers })
+    problem.conclude(motion, &solved, &goodness_of_fit)
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
@@ -154,12 +138,17 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// With the sigmas that the residuals call for; the priors stay as they are.
+    #[inline(never)]
     fn settle_with_wander(&mut self, solved: Solved<S>) -> Result<Solved<S>, FitError> {
         let Some(wander) = self.wander(&solved.solution) else { return Ok(solved) };
-        for (observation, stretch) in self.observations.iter_mut().zip(&self.stretches) {
-            *observation = observation.with_sigma(wander.sigma_px(stretch));
+        let observed = self.observations.iter_mut().zip(&mut self.equations.observed);
+        for ((observation, equation), stretch) in observed.zip(&self.stretches) {
+            let sigma_px = wander.sigma_px(stretch);
+            let per_sigma = over(sigma_px);
+            *equation = equation.scaled(per_sigma * observation.sigma_px);
+            (observation.sigma_px, observation.per_sigma) = (sigma_px, per_sigma);
         }
-        self.settle(&solved.line3)
+        self.settle_again(&solved)
     }
 
     /// What the residuals show, unless that is white noise as stated.
@@ -181,6 +170,36 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Wander::of::<N>(&residuals, roughness_px, self.prior.width_px)
     }
 
+    /// What the settled fit says, with the errors that all samples share.
+    #[inline(never)]
+    fn conclude<M: Motion<S>>(
+        &self,
+        motion: &M,
+        solved: &Solved<S>,
+        goodness_of_fit: &GoodnessOfFit<S>,
+    ) -> Result<Fitted<S, N>, FitError> {
+        let Solved { at, line3, solution, is_in_front, has_settled } = solved;
+        let Self { setup, prior, observations, equations, .. } = self;
+        let sensitivity = Settled { setup, motion, prior, observations, equations, at, solution }.sensitivity();
+        // Between several places the rounds tell nothing of the depth.
+        let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
+        let state = LineState { line3: *line3, covariance: solution.covariance().and(unsettled), sensitivity };
+        let estimate = Estimate::new(&state, setup, goodness_of_fit);
+        if !estimate.is_finite() {
+            return Err(FitError::Diverged);
+        }
+        // The equations do not know that a camera passes no edge within a frame.
+        let passes = estimate.status() == RangeStatus::Ok && !is_in_front;
+        let estimate = Estimate { bent: estimate.bent || passes, ..estimate };
+        let mut inliers = Vec::new();
+        for observation in observations {
+            // There is room: as many as observations. `collect` could panic.
+            let _ = inliers.push(observation.is_inlier);
+        }
+        Ok(Fitted { estimate, state, inliers })
+    }
+
+    #[inline(never)]
     fn goodness_of_fit(&self, solved: &Solved<S>) -> GoodnessOfFit<S> {
         let kept = self.equations.observed.iter().zip(&self.observations);
         GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {

@@ -23,16 +23,15 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
     /// The constant, from the place of each sample and the reciprocal of its sigma, in the order of readout. The first and
     /// the last place differ.
     pub(super) fn new(samples: impl Iterator<Item = (S, S)>) -> Self {
-        let (mut places, mut values): (Vec<S, N>, Vec<[S; 2], N>) = (Vec::new(), Vec::new());
+        let mut modes = Self { places: Vec::new(), values: Vec::new(), per_square: S::ZERO, recurrence: [S::ZERO; 2] };
         for (place, per_sigma) in samples {
             // There is room: as many as observations of a line.
-            let _ = (places.push(place), values.push([per_sigma, S::ZERO]));
+            let _ = (modes.places.push(place), modes.values.push([per_sigma, S::ZERO]));
         }
-        let (first, last) = (places.first().copied(), places.last().copied());
+        let (first, last) = (modes.places.first().copied(), modes.places.last().copied());
         let [first, last] = [first, last].map(|place| place.unwrap_or(S::ZERO));
         let (middle, per_half) = ((first + last).half(), S::ONE / (last - first).half());
-        places.iter_mut().for_each(|place| *place = (*place - middle) * per_half);
-        let mut modes = Self { places, values, per_square: S::ZERO, recurrence: [S::ZERO; 2] };
+        modes.places.iter_mut().for_each(|place| *place = (*place - middle) * per_half);
         modes.measure();
         modes
     }

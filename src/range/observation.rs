@@ -2,7 +2,7 @@
 
 use super::sample::Sample;
 use crate::motion::Motion;
-use crate::scalar::{Scalar, add, cross, dot, over, sub};
+use crate::scalar::{Scalar, add, cross, dot, over, scale};
 use crate::setup::{Camera, RaySpan};
 
 /// A normal `n` of the plane through a ray and a direction, as far as a line through the plane y = 0 needs it.
@@ -17,6 +17,13 @@ pub(crate) struct Normal<S> {
 impl<S: Scalar> Normal<S> {
     fn of(ray: [S; 3], direction: [S; 3], position: [S; 3]) -> Self {
         let normal = cross(ray, direction);
+        let [x, _, z] = normal;
+        Self { x, z, moved: dot(normal, position) }
+    }
+
+    /// Of a direction in the image plane.
+    fn of_flat([x, y, z]: [S; 3], [ex, ey, _]: [S; 3], position: [S; 3]) -> Self {
+        let normal = [-(z * ey), z * ex, x * ey - y * ex];
         let [x, _, z] = normal;
         Self { x, z, moved: dot(normal, position) }
     }
@@ -41,7 +48,8 @@ pub(crate) struct Observation<S> {
     pub(crate) is_inlier: bool,
 }
 
-/// Directions of the rays at the ends of a span, as their mean and half their difference, and the same of the positions.
+/// Directions of the rays at the ends of a span, as their mean and half their difference, the middle position and half the
+/// difference of the positions at the ends.
 struct Rays<S> {
     direction: [S; 3],
     half: [S; 3],
@@ -57,13 +65,15 @@ pub(crate) struct Observer<'a, S, M> {
     /// Those of the line that the observations are held against.
     gravity: [S; 3],
     lean: [S; 3],
+    /// Whether the camera does not turn.
+    is_steady: bool,
     /// Offset that the lens had at the last sample: its inversion starts from there.
     lens_offset: [S; 2],
 }
 
 impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
     pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, [gravity, lean]: [[S; 3]; 2]) -> Self {
-        Self { camera, motion, gravity, lean, lens_offset: [S::ZERO; 2] }
+        Self { camera, motion, gravity, lean, is_steady: motion.keeps_attitude(), lens_offset: [S::ZERO; 2] }
     }
 
     /// `None` where the lens model has no ray.
@@ -81,9 +91,9 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
         Some(Observation {
             down,
-            lean: Normal::of(direction, self.lean, position),
+            lean: Normal::of_flat(direction, self.lean, position),
             down_per_px: Normal::of(along_row, self.gravity, position),
-            lean_per_px: Normal::of(along_row, self.lean, position),
+            lean_per_px: Normal::of_flat(along_row, self.lean, position),
             bearings: span.middle,
             time_s: sample.time_s,
             sigma_px,
@@ -94,37 +104,32 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
 
     /// The rays in the axes of frame start, where they look and where from.
     fn rays(&self, span: &RaySpan<S>, time_s: S, half_s: S) -> Rays<S> {
+        let pose = self.motion.pose(time_s);
+        let (position, half_position) = (pose.position_m, scale(pose.velocity_m_s, half_s));
         let ([u, w], [half_u, half_w], [du, dw]) = (span.middle, span.half, span.along_row);
-        let (direction, half, along_row) = ([u, w, S::ONE], [half_u, half_w, S::ZERO], [du, dw, S::ZERO]);
-        let is_steady = self.motion.keeps_attitude();
-        if half_s == S::ZERO {
-            let pose = self.motion.pose(time_s);
-            let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
-            let none = [S::ZERO; 3];
-            let position = pose.position_m;
-            return Rays {
-                direction: turn(direction),
-                half: none,
-                along_row: turn(along_row),
-                position,
-                half_position: none,
-            };
-        }
-        let (before, after) = (self.motion.pose(time_s - half_s), self.motion.pose(time_s + half_s));
-        let (position, half_position) = middle_and_half(before.position_m, after.position_m);
-        if is_steady {
+        if self.is_steady {
+            let (direction, half, along_row) = ([u, w, S::ONE], [half_u, half_w, S::ZERO], [du, dw, S::ZERO]);
             return Rays { direction, half, along_row, position, half_position };
         }
-        let ends = (before.rotate(sub(direction, half)), after.rotate(add(direction, half)));
-        let (direction, half) = middle_and_half(ends.0, ends.1);
-        let (along_row, _) = middle_and_half(before.rotate(along_row), after.rotate(along_row));
-        Rays { direction, half, along_row, position, half_position }
+        let (across, along_row) = (pose.rotate_across(span.middle), pose.rotate_across([du, dw]));
+        if half_s == S::ZERO {
+            return Rays {
+                direction: add(pose.ahead(), across),
+                half: [S::ZERO; 3],
+                along_row,
+                position,
+                half_position,
+            };
+        }
+        let half = pose.rotate_across(span.half);
+        // By half of the span the camera turns on: exp(±θ) (d ± h), to the second order.
+        let turn = scale(pose.rate_rad_s, half_s);
+        let turned = cross(turn, add(pose.ahead(), across));
+        // The smallest first: single precision has no digit to spare.
+        let turned_twice = cross(turn, add(half, turned.map(S::half)));
+        let direction = add(pose.ahead(), add(across, turned_twice));
+        Rays { direction, half: add(half, turned), along_row, position, half_position }
     }
-}
-
-fn middle_and_half<S: Scalar>(before: [S; 3], after: [S; 3]) -> ([S; 3], [S; 3]) {
-    let half = sub(after, before).map(S::half);
-    (add(before, half), half)
 }
 
 impl<S: Scalar> Observation<S> {

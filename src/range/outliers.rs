@@ -4,27 +4,28 @@ use heapless::Vec;
 
 use super::least_squares::{Solution, solve};
 use super::problem::{Problem, Solved};
-use super::tuning::{MOST_REJECTIONS, OUTLIER, REWEIGHTING_ROUNDS, SUSPICIOUS};
+use super::tuning::{MOST_REJECTIONS, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS};
 use crate::error::FitError;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// Rejects samples as long as there are outliers, and settles again without them.
+    #[inline(never)]
     pub(super) fn settle_without_outliers(&mut self, mut solved: Solved<S>) -> Result<Solved<S>, FitError> {
         for _ in 0..MOST_REJECTIONS {
             if !self.has_suspicious_samples(&solved.solution) {
                 break;
             }
-            if !self.reject_outliers(&solved.solution) {
-                return self.repeat(&solved);
-            }
-            solved = self.settle(&solved.line3)?;
+            // Without the outliers the edge lies near where the others have it.
+            let Some(change) = self.reject_outliers(&solved.solution) else { return self.repeat(&solved) };
+            solved = self.settle(&solved.at.moved(change))?;
         }
         Ok(solved)
     }
 
     /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is to say
     /// that most samples deviate by less than a third of that.
+    #[inline(never)]
     fn has_suspicious_samples(&self, solution: &Solution<S>) -> bool {
         let sizes = self.deviations(solution, &[]);
         let part = sizes.iter().copied().fold(S::ZERO, S::max) * S::ratio(1, SUSPICIOUS);
@@ -45,8 +46,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a third
-    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted.
-    fn reject_outliers(&mut self, solution: &Solution<S>) -> bool {
+    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to, or `None` where
+    /// none is rejected.
+    #[inline(never)]
+    fn reject_outliers(&mut self, solution: &Solution<S>) -> Option<[S; 3]> {
         let (solution, scales) = self.reweight(solution);
         let sizes = self.deviations(&solution, &scales);
         let count = sizes.len();
@@ -60,7 +63,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             let is_outlier = sizes.next().is_some_and(|size| *size > limit);
             observation.is_inlier = !(leave_out && is_outlier);
         }
-        leave_out
+        leave_out.then(|| solution.change())
     }
 
     /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution, and by what
@@ -72,14 +75,21 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         for _ in &self.observations {
             let _ = scales.push(S::ONE);
         }
+        let least_change = S::ratio(1, REWEIGHTED_PART);
         for _ in 0..REWEIGHTING_ROUNDS {
+            let mut most_change = S::ZERO;
             for (equation, scale) in self.equations.observed.iter_mut().zip(&mut scales) {
                 let deviation = solution.deviation(equation).abs() * *scale;
                 let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
-                *equation = equation.scaled(*scale / next);
+                let factor = *scale / next;
+                most_change = most_change.max((factor - S::ONE).abs());
+                *equation = equation.scaled(factor);
                 *scale = next;
             }
             solution = solve(&mut self.equations);
+            if most_change < least_change {
+                break;
+            }
         }
         (solution, scales)
     }

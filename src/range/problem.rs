@@ -7,7 +7,9 @@ use super::least_squares::{Solution, solve};
 use super::line3::Line3;
 use super::observation::Observation;
 use super::prior::Prior;
-use super::tuning::{FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, RIVAL_COST, SETTLED_PART};
+use super::tuning::{
+    FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SETTLED_PART,
+};
 use super::wander::Stretch;
 use crate::error::FitError;
 use crate::scalar::Scalar;
@@ -108,19 +110,27 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// Iterates until a round changes next to nothing: mostly two. Rounds that go to and fro between two places meet halfway.
     /// `None` where they do not converge.
     fn converge(&mut self, line3: &Line3<S>) -> Option<Solved<S>> {
-        let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
+        let (settled, nearby) = (S::ratio(1, SETTLED_PART * SETTLED_PART), S::ratio(1, NEARBY_PART * NEARBY_PART));
         let mut solved = self.round(line3, Round::Later).ok()?;
+        let mut step = solved.solution.step_squared();
         for round in 1..MOST_ROUNDS {
-            if solved.solution.step_squared() < settled {
+            if step < settled {
                 return Some(solved);
             }
+            let before = step;
             let next = if round < FULL_ROUNDS { solved.line3 } else { solved.halfway() };
             solved = self.round(&next, Round::Later).ok()?;
+            step = solved.solution.step_squared();
+            // These are squares. Rounds that converge do so much faster: what is left is rounding.
+            if step < nearby && step > before.half() {
+                return Some(solved);
+            }
         }
         None
     }
 
     /// The same. What does not converge is no straight edge; one round tells roughly where it is.
+    #[inline(never)]
     pub(super) fn settle(&mut self, line3: &Line3<S>) -> Result<Solved<S>, FitError> {
         if let Some(solved) = self.converge(line3) {
             return Ok(solved);
@@ -130,6 +140,22 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(Solved { is_in_front: self.is_in_front(&solved.line3), has_settled: false, ..solved })
     }
 
+    /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only if that
+    /// moves the estimate.
+    pub(super) fn settle_again(&mut self, last: &Solved<S>) -> Result<Solved<S>, FitError> {
+        let solution = solve(&mut self.equations);
+        let line3 = last.at.moved(solution.change());
+        if solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART) {
+            return Ok(Solved {
+                line3,
+                solution,
+                is_in_front: last.is_in_front && line3.inverse_depth > S::ZERO,
+                ..*last
+            });
+        }
+        self.settle(&line3)
+    }
+
     fn is_in_front(&self, line3: &Line3<S>) -> bool {
         let has_in_front = |observation: &Observation<S>| line3.residual(observation).is_in_front();
         line3.inverse_depth > S::ZERO && self.observations.iter().all(has_in_front)
@@ -137,6 +163,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
     /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    #[inline(never)]
     pub(super) fn settle_in_front(&mut self, start: &Line3<S>) -> Result<Solved<S>, FitError> {
         let solved = self.settle(start)?;
         let line3 = solved.line3;
@@ -163,26 +190,28 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
     /// best of those near either path is meant; where neither agrees with the positions, also of the one near these alone.
+    #[inline(never)]
     pub(super) fn settle_best(&mut self, first: &Solved<S>) -> Result<Solved<S>, FitError> {
         let start = &first.line3;
         let information = first.solution.information_of_inverse_depth();
         let paths = self.prior.blur.and_then(|blur| blur.either_path(start, information));
         let Some([better, other]) = paths else { return self.settle_in_front(start) };
         let near = |change_per_m| start.moved(first.solution.change_with(change_per_m));
-        let mut solved = self.settle_in_front(&near(better.change_per_m))?;
         let rival_cost = S::from_i32(RIVAL_COST);
         let is_rival = other.change_per_m != better.change_per_m && other.cost < better.cost + rival_cost;
         let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
-        let mut least = None;
+        let mut best_rival: Option<(Solved<S>, S)> = None;
         for rival in rivals.into_iter().flatten() {
-            let cost = *least.get_or_insert_with(|| solved.solution.cost(&self.equations));
             if let Some(trial) = self.converge(&rival).filter(|trial| trial.is_in_front) {
-                let cost_of_trial = trial.solution.cost(&self.equations);
-                if cost_of_trial < cost {
-                    (solved, least) = (trial, Some(cost_of_trial));
-                }
+                let cost = trial.solution.cost(&self.equations);
+                best_rival = best_rival.filter(|(_, least)| *least <= cost).or(Some((trial, cost)));
             }
         }
-        if least.is_some() { self.repeat(&solved) } else { Ok(solved) }
+        // Mostly the better path wins, and its equations are the last.
+        let solved = self.settle_in_front(&near(better.change_per_m))?;
+        match best_rival.filter(|(_, cost)| *cost < solved.solution.cost(&self.equations)) {
+            Some((rival, _)) => self.repeat(&rival),
+            None => Ok(solved),
+        }
     }
 }

@@ -28,6 +28,10 @@ pub(super) const MOST_SIGMAS: i32 = 1_000;
 /// square of that (`cargo test least_squares` allows 1/100).
 pub(super) const SETTLED_PART: i32 = 50;
 
+/// Where only sigmas have changed, equations linearised this part of a sigma away are as good as new ones: 1/4. New ones would
+/// move it by the hundredth part of a sigma at most.
+pub(super) const NEARBY_PART: i32 = 4;
+
 /// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to five.
 pub(super) const MOST_ROUNDS: usize = 16;
 
@@ -62,3 +66,7 @@ pub(super) const MOST_REJECTIONS: usize = 4;
 /// Rounds of reweighting, none of which linearises anew. Twelve bring the fit within a tenth of a sigma of least absolute
 /// deviations; more would make the worst line dearer and nothing better.
 pub(super) const REWEIGHTING_ROUNDS: usize = 12;
+
+/// A round of reweighting that changes no weight by more than this part is the last: 1/20 of a scale, which is a tenth of its
+/// deviation.
+pub(super) const REWEIGHTED_PART: i32 = 20;

@@ -142,7 +142,7 @@ struct Kernel<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Kernel<S, N> {
     fn new(residuals: &[Residual<'_, S>], alike_rows: S) -> Self {
-        let (length, mut links) = (alike_rows.half(), Vec::new());
+        let (length, mut kernel) = (alike_rows.half(), Self { links: Vec::new() });
         let (per_length, length_of_three) = (over(length), length * S::from_i32(3));
         let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.place);
         let (mut per_row, mut kept) = (S::ZERO, S::ZERO);
@@ -159,9 +159,9 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
                 kept = (thirds / (S::ONE + thirds)).sqrt();
             }
             // There is room: as many as residuals.
-            let _ = links.push((correlation, kept));
+            let _ = kernel.links.push((correlation, kept));
         }
-        Self { links }
+        kernel
     }
 
     /// Variance of a weighted sum over the wander of all stretches, in units of the wander's own.

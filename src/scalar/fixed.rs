@@ -38,8 +38,8 @@ const LARGEST: i32 = 96;
 const SMALLEST: i32 = -156;
 /// Of what has left the range: so large that it stays outside in any product.
 const INFINITE: i32 = 1 << 24;
-/// Of zero: so small that any other number swallows it in a sum.
-const OF_ZERO: i32 = -(1 << 24);
+/// Of zero: so small that any other number swallows it in a sum, and that it stays zero in any product.
+const OF_ZERO: i32 = -(1 << 25);
 
 impl Q32 {
     /// A mantissa whose size is from 2³⁰ to 2³¹ − 1.
@@ -126,18 +126,20 @@ impl Add for Q32 {
         let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
         // Without overflow: exponents are far from those of the integers.
         let shift = large.exponent - small.exponent;
-        if shift > 31 || large.is_infinite() {
+        if shift > 31 {
             return large;
         }
         let (sum, overflows) = large.mantissa.overflowing_add(small.mantissa >> shift);
         if overflows {
             // The sign bit is the one that was lost.
-            Self::bounded((sum >> 1) ^ i32::MIN, large.exponent + 1)
-        } else if sum.unsigned_abs() >> 30 == 1 {
-            // Most sums need no shift, and not every core counts zeros.
-            Self { mantissa: sum, exponent: large.exponent }
-        } else {
-            Self::normalised(sum, large.exponent)
+            return Self::bounded((sum >> 1) ^ i32::MIN, large.exponent + 1);
+        }
+        // Most sums need no shift or one, and not every core counts zeros.
+        match sum.unsigned_abs() >> 29 {
+            2 | 3 => Self { mantissa: sum, exponent: large.exponent },
+            _ if large.is_infinite() => large,
+            1 => Self::bounded(sum << 1, large.exponent - 1),
+            _ => Self::normalised(sum, large.exponent),
         }
     }
 }
@@ -165,20 +167,39 @@ impl Mul for Q32 {
 
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
-        const QUARTER: i32 = 1 << 29;
-        // Half of all factors are zero where the camera is level.
+        let exponent = self.exponent + other.exponent + 30;
+        // Half of all factors are zero where the camera is level, and a zero has an exponent far below.
+        if !(SMALLEST..LARGEST).contains(&exponent) {
+            return self.mul_beyond(other);
+        }
+        let (mantissa, carry) = product_of_mantissas(self.mantissa, other.mantissa);
+        Self { mantissa, exponent: exponent + carry }
+    }
+}
+
+impl Q32 {
+    /// A product that is zero, or that leaves the range or nearly does.
+    #[inline(never)]
+    fn mul_beyond(self, other: Self) -> Self {
         if self.mantissa == 0 || other.mantissa == 0 {
             return Self::ZERO;
         }
-        let (high, low) = product(self.mantissa, other.mantissa);
-        let exponent = self.exponent + other.exponent;
-        if -QUARTER < high && high < QUARTER {
-            Self::bounded((high << 2) | (low >> 30) as i32, exponent + 30)
-        } else if high == -QUARTER {
-            Self::bounded(-1 << 30, exponent + 31)
-        } else {
-            Self::bounded((high << 1) | (low >> 31) as i32, exponent + 31)
-        }
+        let (mantissa, carry) = product_of_mantissas(self.mantissa, other.mantissa);
+        Self::bounded(mantissa, self.exponent + other.exponent + 30 + carry)
+    }
+}
+
+/// The product of two mantissas over 2³⁰, or over 2³¹ where that does not fit, and which of the two.
+#[inline(always)]
+fn product_of_mantissas(a: i32, b: i32) -> (i32, i32) {
+    const QUARTER: i32 = 1 << 29;
+    let (high, low) = product(a, b);
+    if -QUARTER < high && high < QUARTER {
+        ((high << 2) | (low >> 30) as i32, 0)
+    } else if high == -QUARTER {
+        (-1 << 30, 1)
+    } else {
+        ((high << 1) | (low >> 31) as i32, 1)
     }
 }
 
