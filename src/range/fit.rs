@@ -175,8 +175,11 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 let _ = residuals.push(Residual { stretch: *stretch, sigma_px, deviation });
             }
         }
-        let roughness_px = self.setup.uncertainty().edge_roughness_px;
-        Wander::of(&residuals, roughness_px, self.prior.width_px).filter(|wander| !wander.is_none())
+        let uncertainty = self.setup.uncertainty();
+        // Where no lean is sought nothing else takes a wander of the edge.
+        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt > S::ZERO;
+        let wander = Wander::of(&residuals, uncertainty.edge_roughness_px, self.prior.width_px, is_known);
+        wander.filter(|wander| !wander.is_none())
     }
 
     fn goodness_of_fit(&self, solved: &Solved<S>) -> GoodnessOfFit<S> {
