@@ -2,7 +2,7 @@
 
 use shutter_range::{Continuity, EdgePoint, ErrorSource, Polarity, Q32, Range, RangeStatus, Scalar, Sigmas};
 
-use crate::journey::{Disturbance, Drive, Journey, Path, Post, errors, follow, seed};
+use crate::journey::{Disturbance, Drive, Journey, Path, Post, errors, follow, normal, seed};
 use crate::scenes::{TENTH_DEGREE, tilt_of};
 
 const HALF_DEGREE: f64 = 5.0 * TENTH_DEGREE;
@@ -58,6 +58,43 @@ fn what_is_stated_to_be_upright_stays_upright() {
     check::<f64>();
     check::<f32>();
     check::<Q32>();
+}
+
+/// Where an edge wanders, it wanders alike in all of its frames: parallax does not mind, and neither does the sigma.
+#[test]
+fn the_wander_of_an_edge_is_common_to_its_frames() {
+    let journey = Journey::vga();
+    let setup = journey.setup::<f64>(tilt_of(HALF_DEGREE).with_edge_roughness_px(0.03));
+    // Sigma and error in sigmas of the fifth frame, for a short edge with a wander of so many pixels.
+    let fifth = |number: u64, wander_px: f64| {
+        let random = &mut seed(100 + number);
+        let post = Post::at(0.1, 2.0).leaning(HALF_DEGREE * normal(random));
+        let phases = [normal(random), normal(random)].map(|phase| 3.0 * phase);
+        let mut drive = Drive::new(setup, journey.interval_s, |frame| journey.known(frame, Disturbance::default()));
+        let mut last = None;
+        for frame in 0..5 {
+            let points =
+                journey.points(&[post], frame, random).into_iter().filter(|point| (200..300).contains(&point.row));
+            let wandering = |point: EdgePoint| {
+                let [slow, fast] = phases;
+                let (slow, fast) = (f64::from(point.row) / 15.0 + slow, f64::from(point.row) / 6.0 + fast);
+                let off_px = wander_px * (slow.sin() + fast.sin());
+                EdgePoint { column_q16: point.column_q16 + (off_px * 65536.0) as i32, ..point }
+            };
+            last = drive.frame(&points.map(wandering).collect::<Vec<_>>()).first().copied();
+        }
+        let range: Range<f64> =
+            last.filter(|range: &Range<f64>| range.status == RangeStatus::Ok && range.frames >= 4)?;
+        Some((range.estimate.sigma_inverse_depth_per_m, errors(&range, &journey.truth(&post, 4)).1))
+    };
+    let all = |wander_px| (0..40).filter_map(|number| fifth(number, wander_px)).collect::<Vec<_>>();
+    let (straight, wandering) = (all(0.0), all(0.08));
+    let mean = |all: &[(f64, f64)]| all.iter().map(|(sigma, _)| sigma).sum::<f64>() / all.len() as f64;
+    let ratio = mean(&wandering) / mean(&straight);
+    let inside = wandering.iter().filter(|(_, normal)| normal.abs() < 2.0).count();
+    let told = wandering.len();
+    println!("sigma {:.5} and {ratio:.2} times it, {inside} of {told} in two sigma", mean(&straight));
+    assert!(told >= 36 && (0.9..1.3).contains(&ratio) && inside * 10 >= told * 9, "{ratio}, {inside} of {told}");
 }
 
 /// A speed of its own: relative to the camera, the object's velocity is the difference.

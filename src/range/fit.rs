@@ -166,8 +166,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 let _ = residuals.push(Residual { stretch, per_sigma, deviation });
             }
         }
-        let roughness_px = self.setup.uncertainty().edge_roughness_px;
-        Wander::of::<N>(&residuals, roughness_px, self.prior.width_px)
+        let uncertainty = self.setup.uncertainty();
+        // Where no lean is sought nothing else takes a wander of the edge.
+        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt > S::ZERO;
+        Wander::of::<N>(&residuals, uncertainty.edge_roughness_px, self.prior.width_px, is_known)
     }
 
     /// What the settled fit says, with the errors that all samples share.

@@ -34,7 +34,7 @@ pub(super) struct Solved<S> {
     pub(super) solution: Solution<S>,
     /// Whether the camera has the line before it in all rows.
     pub(super) is_in_front: bool,
-    /// Whether the rounds have come to rest there.
+    /// Whether the rounds have come to rest there, to a sigma.
     pub(super) has_settled: bool,
 }
 
@@ -136,8 +136,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             return Ok(solved);
         }
         let solved = self.round(line3, Round::Later)?;
-        // This round may have moved it far.
-        Ok(Solved { is_in_front: self.is_in_front(&solved.line3), has_settled: false, ..solved })
+        // This round may have moved it far; rounding alone moves it by parts of a sigma.
+        let has_settled = solved.solution.step_squared() < S::ONE;
+        Ok(Solved { is_in_front: self.is_in_front(&solved.line3), has_settled, ..solved })
     }
 
     /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only if that

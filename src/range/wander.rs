@@ -75,7 +75,15 @@ impl<S: Scalar> Wander<S> {
     /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge alike
     /// until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in the
     /// residuals, their modes are compared with what such a process leaves in them.
-    pub(super) fn of<const N: usize>(residuals: &[Residual<'_, S>], roughness_px: S, blur_px: S) -> Option<Self> {
+    ///
+    /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told of its place
+    /// and its lean, and parallax does not mind it: only roughness is left.
+    pub(super) fn of<const N: usize>(
+        residuals: &[Residual<'_, S>],
+        roughness_px: S,
+        blur_px: S,
+        is_known: bool,
+    ) -> Option<Self> {
         let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
         let extent = (last.place - first.place).abs();
         if residuals.len() <= SPENT || extent == S::ZERO {
@@ -85,10 +93,11 @@ impl<S: Scalar> Wander<S> {
         // A Gaussian's correlation with itself has an integral of 2√π of its sigmas.
         let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
         let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
-        let alike_rows = crossing_rows.min(longest).max(S::from_i32(ROUGHNESS_ROWS));
+        let roughness_rows = S::from_i32(ROUGHNESS_ROWS);
+        let alike_rows = if is_known { roughness_rows } else { crossing_rows.min(longest).max(roughness_rows) };
         let kernel = Kernel::<S, N>::new(residuals, alike_rows);
         let shown = Shown::of(residuals, &kernel);
-        let wander_px2 = shown.wander_px2(residuals, roughness_px);
+        let wander_px2 = if is_known { roughness_px * roughness_px } else { shown.wander_px2(residuals, roughness_px) };
         if shown.noise == S::ONE && wander_px2 == S::ZERO {
             return None;
         }
