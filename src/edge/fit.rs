@@ -3,6 +3,7 @@
 use super::level_moments::FreeLevels;
 use super::model::EdgeModel;
 use super::moments::Moments;
+use super::norms::Norms;
 use super::pixel_row::PixelRow;
 use super::template::Template;
 use super::window::Window;
@@ -39,8 +40,8 @@ impl EdgeModel {
         }
         let template = self.template();
         let window = Window::new(row, column_q8, template, bounds_q8)?;
-        let Step { moments, slope_slope, off_q8, change_q8 } = self.step(&window, row.kind())?;
-        let norms = &window.norms;
+        let norms = window.norms();
+        let Step { moments, slope_slope, off_q8, change_q8 } = self.step(&window, &norms, row.kind())?;
         let ([left_q8, right_q8], usual_q8) = (change_q8, self.contrast_q8(row.kind()));
         let contrast_q6 = (usual_q8 + right_q8 - left_q8) >> 2;
         if !is_alike(contrast_q6 << 2, usual_q8) || !norms.shows_edge() {
@@ -48,7 +49,7 @@ impl EdgeModel {
         }
         // b/A in 1/2¹⁸ px and grey level.
         let per_level_q18 = (i32::from(template.box_q8) << 16).checked_div(contrast_q6)?;
-        let shift_q16 = (i64::from(moments.shift_q16(norms)) * i64::from(per_level_q18)) >> 16;
+        let shift_q16 = (i64::from(moments.shift_q16(&norms)) * i64::from(per_level_q18)) >> 16;
         // Where free levels explain a part of the slope, the rest is less sure.
         let has_free_levels = slope_slope != norms.slope_slope;
         let of_noise_q8 = if has_free_levels { norms.sigma_of_part_q8(slope_slope) } else { norms.sigma_q8 };
@@ -57,8 +58,8 @@ impl EdgeModel {
         Some(Fit {
             column_q16: (window.centre_q8 << 8) - i32::try_from(shift_q16).ok()?,
             sigma_q16: sigma_q16.min(1 << 24) as i32,
-            width_q12: width_q12(template, moments.widening_q15(norms), contrast_q6)?,
-            residual_q16: moments.residual_q16(norms, has_free_levels),
+            width_q12: width_q12(template, moments.widening_q15(&norms), contrast_q6)?,
+            residual_q16: moments.residual_q16(&norms, has_free_levels),
             off_q8,
         })
     }
@@ -75,12 +76,12 @@ impl EdgeModel {
     ///
     /// Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its plateau,
     /// an error of the width would shift the edge.
-    fn step<P: Pixels>(&self, window: &Window<'_, P>, kind: usize) -> Option<Step> {
+    fn step<P: Pixels>(&self, window: &Window<'_, P>, norms: &Norms, kind: usize) -> Option<Step> {
         let means_q8 = self.levels_q8(kind);
         let [left_q8, right_q8] = means_q8;
         if self.is_textured() {
             let moments = window.moments(means_q8);
-            let free = window.level_moments(means_q8).free(&moments, &window.norms)?;
+            let free = window.level_moments(means_q8).free(&moments, norms)?;
             let FreeLevels { off_q8: [left_off_q8, right_off_q8], slope_slope } = free;
             let moments = window.moments([left_q8 + left_off_q8, right_q8 + right_off_q8]);
             return Some(Step { moments, slope_slope, off_q8: free.off_q8, change_q8: free.off_q8 });
@@ -89,7 +90,7 @@ impl EdgeModel {
         let [own_left_q8, own_right_q8] = own_q8;
         let moments = window.moments(own_q8);
         let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
-        Some(Step { slope_slope: window.norms.slope_slope, moments, off_q8, change_q8: self.departure(off_q8) })
+        Some(Step { slope_slope: norms.slope_slope, moments, off_q8, change_q8: self.departure(off_q8) })
     }
 
     /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is

@@ -73,14 +73,14 @@ impl Squares {
             return Norms::NONE;
         }
         // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width explain a third.
-        let freedom_q4 = 16 * (self.pixels - 2) + 4 * self.pixels / left + 4 * self.pixels / right;
+        let freedom_q4 = 16 * (self.pixels - 2) + ratio(4 * self.pixels, left) + ratio(4 * self.pixels, right);
         let widening_widening = if self.widening_widening > 0 { self.widening_widening } else { 1 };
-        let of_levels_q12 = (1 << 12) / left + (1 << 12) / right;
+        let of_levels_q12 = ratio(1 << 12, left) + ratio(1 << 12, right);
         Norms {
             slope_slope: self.slope_slope as i32,
-            per_slope_q32: u32::MAX / self.slope_slope,
-            per_widening_q32: u32::MAX / widening_widening,
-            per_freedom_q16: ((1 << 16) / freedom_q4) as u16,
+            per_slope_q32: ratio(u32::MAX, self.slope_slope),
+            per_widening_q32: ratio(u32::MAX, widening_widening),
+            per_freedom_q16: ratio(1 << 16, freedom_q4) as u16,
             sigma_q8: sigma_q8(self.slope, self.slope_slope, of_levels_q12),
             slope: self.slope as u16,
             of_levels_q12: of_levels_q12 as u16,
@@ -95,9 +95,17 @@ const LEAST_SLOPE_SLOPE: u32 = 1 << 10;
 /// levels shift the edge when they are wrong: with S the slope and n pixels on a plateau, the root of
 /// 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
 const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
-    let of_flank_q15 = (1 << 31) / slope_slope;
-    let half_q8 = (slope << 15) / slope_slope;
+    let of_flank_q15 = ratio(1 << 31, slope_slope);
+    let half_q8 = ratio(slope << 15, slope_slope);
     let half_q8 = if half_q8 < 511 { half_q8 } else { 511 };
     let variance_q15 = of_flank_q15 + ((half_q8 * half_q8 * of_levels_q12) >> 13);
     (variance_q15 << 1).isqrt() as u16
+}
+
+/// A quotient by what is never zero.
+const fn ratio(numerator: u32, denominator: u32) -> u32 {
+    match numerator.checked_div(denominator) {
+        Some(quotient) => quotient,
+        None => u32::MAX,
+    }
 }

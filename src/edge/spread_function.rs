@@ -49,20 +49,23 @@ impl SpreadFunction {
         let variance_q16 = width_q8 * width_q8;
         let of_motion_q16 = variance_q16 - LENS_VARIANCE_Q16 - PIXEL_VARIANCE_Q16;
         if of_motion_q16 > PIXEL_VARIANCE_Q16 {
-            let box_q8 = (12 * of_motion_q16).isqrt();
-            Self::with(box_q8, LENS_AND_PIXEL_Q8, (1 << 24) / box_q8, box_q8 * box_q8 / (12 * width_q8))
+            let box_q8 = (12 * of_motion_q16).unsigned_abs().isqrt() as i32;
+            let per_widening_q8 = ratio(box_q8 * box_q8, 12 * width_q8);
+            Self::with(box_q8, LENS_AND_PIXEL_Q8, ratio(1 << 24, box_q8), per_widening_q8)
         } else {
             let lens_variance_q16 = variance_q16 - PIXEL_VARIANCE_Q16;
             let least_q16 = LEAST_LENS_Q8 * LEAST_LENS_Q8;
-            let lens_q8 = (if lens_variance_q16 > least_q16 { lens_variance_q16 } else { least_q16 }).isqrt();
-            Self::with(PIXEL_Q8, lens_q8, 1 << 16, lens_q8 * PIXEL_Q8 / (if width_q8 > 0 { width_q8 } else { 1 }))
+            let lens_q8 = (if lens_variance_q16 > least_q16 { lens_variance_q16 } else { least_q16 })
+                .unsigned_abs()
+                .isqrt() as i32;
+            Self::with(PIXEL_Q8, lens_q8, 1 << 16, ratio(lens_q8 * PIXEL_Q8, width_q8))
         }
     }
 
     const fn with(box_q8: i32, lens_q8: i32, per_box_q24: i32, per_widening_q8: i32) -> Self {
-        let box_per_lens_q8 = ((12 * lens_q8) << 8) / box_q8;
+        let box_per_lens_q8 = ratio((12 * lens_q8) << 8, box_q8);
         let per_widening_q8 = if per_widening_q8 > 1 { per_widening_q8 } else { 1 };
-        Self { box_q8, lens_q8, per_lens_q20: (1 << 20) / lens_q8, per_box_q24, per_widening_q8, box_per_lens_q8 }
+        Self { box_q8, lens_q8, per_lens_q20: ratio(1 << 20, lens_q8), per_box_q24, per_widening_q8, box_per_lens_q8 }
     }
 
     /// Half the width of what is neither 0 nor 1, in 1/256 px: 2.5 sigma of the Gaussian beyond the box.
@@ -91,6 +94,14 @@ impl SpreadFunction {
 
     const fn normal(&self, off_q8: i32) -> Normal {
         Normal::at((off_q8 * self.per_lens_q20) >> 12)
+    }
+}
+
+/// A quotient by a length, which is never zero but for a width of nothing.
+const fn ratio(numerator: i32, length: i32) -> i32 {
+    match numerator.checked_div(length) {
+        Some(quotient) => quotient,
+        None => numerator,
     }
 }
 

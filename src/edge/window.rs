@@ -53,7 +53,8 @@ pub(super) struct Window<'p, P> {
     flank: Stretch,
     weights: &'static [Weight],
     plateaus: [Stretch; 2],
-    pub(super) norms: Norms,
+    /// Those of the whole window, where it is.
+    whole: Option<&'static Norms>,
     /// Where the step is expected: the phase that is nearest, in 1/256 px.
     pub(super) centre_q8: i32,
 }
@@ -78,20 +79,25 @@ impl<'p, P: Pixels> Window<'p, P> {
         }
         // Within the row, and each not before the one on its left.
         let stretch = |from: i32, to: i32| Stretch { from: from as usize, to: to as usize };
-        let mut window = Self {
+        let is_whole = from == whole_from && to == end + plateau;
+        Some(Self {
             row,
             flank: stretch(flank_from, flank_to),
             weights: sampled.weights.get((flank_from - sampled.first) as usize..)?,
             plateaus: [stretch(from, flank_from), stretch(flank_to, to)],
-            norms: *sampled.norms,
+            whole: is_whole.then_some(sampled.norms),
             centre_q8: sampled.centre_q8,
-        };
-        if from > whole_from || to < end + plateau {
-            let seen = window.weights.iter().take(window.flank.pixels());
-            let plateaus = window.plateaus.map(|plateau| plateau.pixels() as u32);
-            window.norms = seen.fold(Squares::NONE, Squares::with).norms(plateaus);
+        })
+    }
+
+    /// Made when the library is compiled, unless a neighbour or the border cuts off a part of the window.
+    pub(super) fn norms(&self) -> Norms {
+        if let Some(norms) = self.whole {
+            return *norms;
         }
-        Some(window)
+        let seen = self.weights.iter().take(self.flank.pixels());
+        let plateaus = self.plateaus.map(|plateau| plateau.pixels() as u32);
+        seen.fold(Squares::NONE, Squares::with).norms(plateaus)
     }
 
     /// Levels of the plateaus, in 1/256 of a grey level.
