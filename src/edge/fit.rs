@@ -1,25 +1,13 @@
 //! [`Fit`]: what one row says of an edge, given its model.
 
 use super::level_moments::FreeLevels;
-use super::model::EdgeModel;
+use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
 use super::norms::Norms;
 use super::pixel_row::PixelRow;
 use super::template::Template;
 use super::window::Window;
 use crate::format::Pixels;
-
-/// What one row says, given the model.
-pub(super) struct Fit {
-    pub(super) column_q16: i32,
-    pub(super) sigma_q16: i32,
-    /// Width of the edge, whatever the lens.
-    pub(super) width_q12: i32,
-    /// Residual variance of a pixel.
-    pub(super) residual_q16: i32,
-    /// The row's own levels minus the mean ones.
-    pub(super) off_q8: [i32; 2],
-}
 
 /// What a window shows.
 struct Step {

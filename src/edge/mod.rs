@@ -15,8 +15,6 @@ mod window;
 mod model;
 mod fit;
 mod refine;
-#[cfg(test)]
-mod tests;
 
 pub(crate) use model::EdgeModel;
 pub(crate) use pixel_row::PixelRow;

@@ -2,7 +2,6 @@
 
 use core::num::NonZeroU16;
 
-use super::fit::Fit;
 use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
@@ -39,6 +38,18 @@ pub(crate) struct EdgeModel {
 
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
+
+/// What one row says, given the model.
+pub(super) struct Fit {
+    pub(super) column_q16: i32,
+    pub(super) sigma_q16: i32,
+    /// Width of the edge, whatever the lens.
+    pub(super) width_q12: i32,
+    /// Residual variance of a pixel.
+    pub(super) residual_q16: i32,
+    /// The row's own levels minus the mean ones.
+    pub(super) off_q8: [i32; 2],
+}
 
 impl EdgeModel {
     /// From an edge that a row shows on its own.

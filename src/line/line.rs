@@ -135,6 +135,10 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels = true;
     }
 
+    pub(crate) const fn is_of_pixels(&self) -> bool {
+        self.of_pixels
+    }
+
     /// Whether it was found in rows of pixels and stands out so little of what is around that it may be one by chance.
     pub(crate) fn is_by_chance(&self) -> bool {
         let rows = self.last.row.abs_diff(self.first.row).saturating_add(1);

@@ -149,7 +149,7 @@ mod tests {
 
     #[test]
     fn texture_decides_by_contrast_and_length() {
-        for (rows, contrast, is_by_chance) in [(12, 40, true), (60, 12, true), (60, 120, false), (200, 60, false)] {
+        for (rows, contrast, is_by_chance) in [(12, 40, true), (60, 12, true), (60, 120, false), (200, 80, false)] {
             let prominence = after(rows, |row| with_step(texture(row, 4, 50), contrast));
             assert_eq!(prominence.is_by_chance(rows, rows), is_by_chance, "{rows} rows, contrast {contrast}");
         }

@@ -10,6 +10,7 @@ use super::observation::Observer;
 use super::prior::{Prior, SampleSet};
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
+use super::tuning::{MOST_SHORT_MISFIT, ROUGHNESS_ROWS, SHORT_LENGTHS};
 use crate::edge::{EdgePoint, Polarity};
 use crate::error::FitError;
 use crate::line::Line;
@@ -165,8 +166,17 @@ impl<S: Scalar> Range<S> {
         let leans = leans_too_much(setup, &fitted.estimate, is_single);
         // Frames that agree are evidence enough, however short or cluttered the line is in this one.
         let status = if is_single { status_of(setup, line, &fitted.estimate) } else { fitted.estimate.status() };
-        self.status =
-            status.unless(Objection::FittedLean, leans).unless(Objection::Clutter, is_single && line.is_by_chance());
+        self.status = status
+            .unless(Objection::FittedLean, leans)
+            .unless(Objection::Clutter, is_single && self.is_by_chance(line));
+    }
+
+    /// Whether it does not stand out of what is around; or is so short, and scatters so much, that a wander of its edge and
+    /// pieces of several edges look alike.
+    fn is_by_chance<const N: usize>(&self, line: &Line<N>) -> bool {
+        let rows = i32::from(self.last_row.abs_diff(self.first_row)) + 1;
+        let scatters = self.estimate.misfit > S::ratio(MOST_SHORT_MISFIT.0, MOST_SHORT_MISFIT.1);
+        line.is_by_chance() || line.is_of_pixels() && rows < SHORT_LENGTHS * ROUGHNESS_ROWS && scatters
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.

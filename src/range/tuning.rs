@@ -33,7 +33,7 @@ pub(super) const SETTLED_PART: i32 = 50;
 pub(super) const NEARBY_PART: i32 = 4;
 
 /// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to five.
-pub(super) const MOST_ROUNDS: usize = 16;
+pub(super) const MOST_ROUNDS: usize = 10;
 
 /// Rounds after which only half of each step is taken: where tilt and depth go together, whole ones may go to and fro for ever
 /// (`cargo test forward_motion`).
@@ -70,3 +70,8 @@ pub(super) const REWEIGHTING_ROUNDS: usize = 12;
 /// A round of reweighting that changes no weight by more than this part is the last: 1/20 of a scale, which is a tenth of its
 /// deviation.
 pub(super) const REWEIGHTED_PART: i32 = 20;
+
+/// A line of fewer than so many lengths of roughness may not scatter by more than this many of its sigmas: there are no rows to
+/// tell a wander from pieces of several edges (`cargo test false_distances::of_leaning_bars`).
+pub(super) const SHORT_LENGTHS: i32 = 2;
+pub(super) const MOST_SHORT_MISFIT: (i32, i32) = (3, 2);
