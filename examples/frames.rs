@@ -14,7 +14,7 @@ use shutter_range::{MotionBlur, ParameterError, Range, RangeStatus, Ranger, Resp
 const COLUMNS: u16 = 320;
 const EXPOSURE_S: f32 = 0.006;
 const LENS_BLUR_PX: f32 = 0.7;
-/// 4.3 kB.
+/// 4.6 kB.
 type SmallRanger = Ranger<8, 8, 24>;
 
 /// QVGA at 30 frames a second, with a known exposure and a calibrated lens.

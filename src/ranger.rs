@@ -134,7 +134,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. A row
     /// in a frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: a sum over the row, about 200 operations per line, and about ten per pixel near anything else.
+    /// *Cost*: some seven to eleven instructions a pixel and six to twelve thousand for each edge; docs/budget.md has them by board, and
+    /// what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
@@ -145,6 +146,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         if let Err(error) = check_pixels(setup, rows_read, row, pixels.columns()) {
             self.tear();
             return Err(error);
+        }
+        if rows_read == 0 {
+            self.scanner.begin_frame();
         }
         self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };

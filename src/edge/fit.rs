@@ -44,7 +44,7 @@ impl EdgeModel {
         let sigma_q8 = u32::from(of_noise_q8) * u32::from(self.noise_q8);
         let sigma_q16 = (u64::from(sigma_q8 >> 4) * u64::from(per_level_q18.unsigned_abs())) >> 14;
         Some(Fit {
-            column_q16: (window.centre_q8 << 8) - i32::try_from(shift_q16).ok()?,
+            column_q16: (window.centre_q8 << 8).checked_sub(i32::try_from(shift_q16).ok()?)?,
             sigma_q16: sigma_q16.min(1 << 24) as i32,
             width_q12: width_q12(template, moments.widening_q15(&norms), contrast_q6)?,
             residual_q16: moments.residual_q16(&norms, has_free_levels),

@@ -67,7 +67,7 @@ impl LevelMoments {
         let common_q12 = ratio((self.shared >> 8) << 12, left.own >> 8)?;
         let right = self.right.without(&left, common_q12, self.shared);
         // In 1/256 grey level.
-        let level = |product: i32, own: i32| ratio((product >> 8) << 10, own >> 8);
+        let level = |product: i32, own: i32| ratio((product >> 8).clamp(-(1 << 20), 1 << 20) << 10, own >> 8);
         let (mut slope_slope, mut residual_slope) = (i64::from(norms.slope_slope), i64::from(moments.residual_slope));
         for one in [left, right] {
             let of_slope_q12 = i64::from(ratio((one.slope >> 8) << 12, one.own >> 8)?);
@@ -76,10 +76,12 @@ impl LevelMoments {
         }
         let slope_slope = i32::try_from(slope_slope).ok().filter(|slope_slope| *slope_slope >= 1 << 10)?;
         let shift_q8 = i64::from(ratio(residual_slope.clamp(-(1 << 30), 1 << 30) as i32, slope_slope >> 8)?);
-        let rest = |one: &Level| one.residual.saturating_sub(((shift_q8 * i64::from(one.slope)) >> 8) as i32);
+        let saturate = |product: i64| product.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
+        let rest = |one: &Level| one.residual.saturating_sub(saturate((shift_q8 * i64::from(one.slope)) >> 8));
         let right_q8 = level(rest(&right), right.own)?;
         let of_right = (i64::from(right_q8) * i64::from(self.shared)) >> 10;
-        let left_q8 = level(rest(&left).saturating_sub(of_right as i32), left.own)?;
-        Some(FreeLevels { off_q8: [left_q8, right_q8], slope_slope })
+        let left_q8 = level(rest(&left).saturating_sub(saturate(of_right)), left.own)?;
+        let off_q8 = [left_q8, right_q8];
+        off_q8.into_iter().all(|off_q8| off_q8.abs() <= 255 << 8).then_some(FreeLevels { off_q8, slope_slope })
     }
 }

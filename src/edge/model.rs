@@ -59,7 +59,8 @@ impl EdgeModel {
         bounds_q8: (i32, i32),
         noise_q8: u32,
     ) -> Option<Self> {
-        let white_q8 = row.noise_of_light_q8(edge.column_q16, noise_q8).min(u32::from(u16::MAX)) as u16;
+        // Its square has 31 bits.
+        let white_q8 = row.noise_of_light_q8(edge.column_q16, noise_q8).min(i32::MAX.isqrt() as u32) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
         let noise_q16 = (u32::from(white_q8) * u32::from(white_q8)).max(LEAST_NOISE_Q16);
         let mut model = Self {

@@ -4,7 +4,7 @@ use super::norms::Norms;
 use super::weight::Weight;
 
 /// Inner products of the residual with the slope of the expected step and with its change by the width. 32 bits hold the sums of
-/// the longest flank, 46 pixels, whatever its pixels.
+/// the longest flank, 47 pixels, whatever its pixels.
 #[derive(Default)]
 pub(super) struct Moments {
     /// Of residuals in 1/64 grey level, each at most 64 levels.

@@ -84,6 +84,11 @@ impl Down {
         Self { third_q8: UNKNOWN, change_q8: UNKNOWN, rows: 0, pixels: [[0; 3]; DOWN_COLUMNS], sums: [0; DOWN_COLUMNS] }
     }
 
+    /// What comes next is not below what was compared last.
+    pub(super) const fn begin_frame(&mut self) {
+        self.rows = 0;
+    }
+
     /// One sigma of a pixel's noise, in 1/256 grey level.
     pub(super) const fn noise_q8(&self) -> u32 {
         // A third difference has √20 times the noise, and a median 0.6745 times sigma.

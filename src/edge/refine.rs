@@ -32,7 +32,7 @@ impl EdgeModel {
             column_q16 += shift_q16.clamp(-blur_q16, blur_q16);
             model.widen(fit.width_q12, 0);
             model.look_beside(row, column_q16, bounds_q8)?;
-            if model.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && shift_q16.abs() < blur_q16 / 16 {
+            if model.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && shift_q16.saturating_abs() < blur_q16 / 16 {
                 break;
             }
         }
@@ -113,7 +113,7 @@ impl EdgeModel {
         let mut from_q16 = expected_q16;
         for _ in 0..MOST_CORRECTIONS {
             let shift_q16 = fit.column_q16.saturating_sub(from_q16);
-            if shift_q16.abs() <= blur_q16 / 8 {
+            if shift_q16.saturating_abs() <= blur_q16 / 8 {
                 break;
             }
             from_q16 += shift_q16.clamp(-blur_q16, blur_q16);

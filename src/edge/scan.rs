@@ -5,8 +5,6 @@
 //! difference of two windows of four pixels over the row: each run of one sign above the noise is a point of an edge, and
 //! the centroid of the run is its column.
 
-use core::ops::Range;
-
 use super::noise::{Across, Down, WINDOW};
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
@@ -103,19 +101,13 @@ impl Scanner {
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
-    /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to right.
-    pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
-        self.scan_beside(pixels, &[], found);
+    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame before.
+    pub(crate) const fn begin_frame(&mut self) {
+        self.down.begin_frame();
     }
 
-    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look. Where
-    /// something else is near, edges in such a stretch can still be handed over.
-    pub(crate) fn scan_beside(
-        &mut self,
-        pixels: impl Pixels,
-        explained: &[Range<u16>],
-        mut found: impl FnMut(ScannedPoint),
-    ) {
+    /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to right.
+    pub fn scan(&mut self, pixels: impl Pixels, mut found: impl FnMut(ScannedPoint)) {
         self.across.learn(&pixels);
         self.down.learn(&pixels);
         let (noise_q8, least) = (self.noise_q8(), self.least_difference());
@@ -126,7 +118,7 @@ impl Scanner {
         } else {
             // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding
             // difference.
-            coarse(&pixels, 2 * least, explained, look);
+            coarse(&pixels, 2 * least, look);
         }
     }
 
@@ -160,7 +152,7 @@ fn sum(pixels: &[u8]) -> i32 {
 }
 
 /// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
-fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
+fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize)) {
     let limit = u16::try_from(limit).unwrap_or(u16::MAX);
     let mut open: Option<(usize, usize)> = None;
     let mut last: Option<u16> = None;
@@ -183,7 +175,6 @@ fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretc
             for (index, step) in steps().enumerate() {
                 differing |= u32::from(step > limit) << index;
             }
-            differing &= !explained_boundaries(explained, at);
         }
         while differing != 0 {
             let block = at + differing.trailing_zeros() as usize;
@@ -206,16 +197,6 @@ fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretc
     if let Some((start, end)) = open {
         stretch(start * BLOCK, end * BLOCK);
     }
-}
-
-/// The boundaries of a group's blocks, each with the block before, whose differences lie in explained columns.
-fn explained_boundaries(explained: &[Range<u16>], group: usize) -> u32 {
-    let below = |block: usize| (1_u64 << block.saturating_sub(group).min(GROUP)) - 1;
-    let of = |columns: &Range<u16>| {
-        let (from, to) = (usize::from(columns.start) / BLOCK, usize::from(columns.end) / BLOCK + 2);
-        below(to) & !below(from)
-    };
-    explained.iter().fold(0, |boundaries, columns| boundaries | of(columns)) as u32
 }
 
 /// Joins blocks to the stretch before them if they touch, or hands that one over and opens another.

@@ -24,7 +24,7 @@ pub(super) const LEAST_DIFFERENCE: u32 = 24;
 pub(super) const THRESHOLD_SIGMAS: u32 = 4;
 
 /// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5 % of
-/// the column's noise (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+/// the column's noise (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const CLASS_RATIO: (u16, u16) = (23, 20);
 
 /// Blur of a sharp lens, half a pixel, and of the pixel itself, in 1/256 px (`frames::sigma_is_honest`).
@@ -38,7 +38,7 @@ pub(super) const USUAL_BLUR_Q8: u16 = 195;
 pub(super) const MOST_BLUR_Q8: u16 = 12 << 8;
 
 /// Variance of a usual lens's blur of 0.7 px, in 1/65536 square pixel; more is motion
-/// (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+/// (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LENS_VARIANCE_Q16: i32 = 32113;
 
 /// Beyond this blur, in 1/256 px, the scanner tells the width only roughly, and a row on its own is fitted in several steps
@@ -76,12 +76,12 @@ pub(super) const FEW_TEXTURED_ROWS: u16 = 4;
 pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
 
 /// Rows that the running means of levels, and of blur and their scatter, remember: 2 to these powers
-/// (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+/// (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LEVEL_ROWS_LOG2: u32 = 5;
 pub(super) const BLUR_ROWS_LOG2: u32 = 4;
 
 /// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part in so
-/// many, as a power of two (`edge::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+/// many, as a power of two (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LEAST_NOISE_ROWS_LOG2: u32 = 2;
 pub(super) const NOISE_ROWS_LOG2: u32 = 4;
 

@@ -20,8 +20,7 @@ pub(super) const LOOK_ROWS: u16 = 2;
 pub(super) const LEAST_CHANGES: u16 = 8;
 
 /// A line is stitched to another whose contrast is at least all but one of so many parts of its own: texture passes for the rest of
-/// an edge where its place alone decides (`prominence::lines_of_another_contrast_are_not_alike`; on a photograph 30 % of lines
-/// ran on by more than a third of their edge without it, and 18 % with it).
+/// an edge where its place alone decides (`line::prominence::tests::lines_of_another_contrast_are_not_alike`).
 pub(super) const LIKE_PARTS: i64 = 3;
 
 /// The filter's gain falls with the number of points down to this one's, so that it can follow a curve; fewer where rows are

@@ -61,7 +61,7 @@ impl<S: Scalar> Pose<S> {
 /// [`Twist`](crate::Twist) is the usual one, and [`Trajectory`](crate::Trajectory) makes one from what sensors deliver;
 /// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
-    /// Pose `time_s` seconds after frame start. Called once or twice for each knot of a line, whose
+    /// Pose `time_s` seconds after frame start. Called once for each knot of a line, whose
     /// rows are taken to pass at the velocity and the rate that are told there.
     fn pose(&self, time_s: S) -> Pose<S>;
 
