@@ -1,4 +1,4 @@
-//! [`Fit`]: what one row says of an edge, given its model.
+//! From a row of pixels and the model of an edge to what the row says of it ([`Fit`]).
 
 use super::level_moments::FreeLevels;
 use super::model::{EdgeModel, Fit};

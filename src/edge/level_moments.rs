@@ -5,7 +5,7 @@ use super::norms::Norms;
 use super::weight::Weight;
 
 /// Nearest whole number to a quotient.
-fn ratio(numerator: i32, denominator: i32) -> Option<i32> {
+fn nearest(numerator: i32, denominator: i32) -> Option<i32> {
     let half = denominator / 2;
     (if numerator < 0 { numerator - half } else { numerator + half }).checked_div(denominator)
 }
@@ -64,18 +64,18 @@ impl LevelMoments {
     /// Leaves it to the edge's own pixels to tell the levels, by orthogonalisation. `None` where too little of the edge is in view.
     pub(super) fn free(&self, moments: &Moments, norms: &Norms) -> Option<FreeLevels> {
         let left = self.left;
-        let common_q12 = ratio((self.shared >> 8) << 12, left.own >> 8)?;
+        let common_q12 = nearest((self.shared >> 8) << 12, left.own >> 8)?;
         let right = self.right.without(&left, common_q12, self.shared);
         // In 1/256 grey level.
-        let level = |product: i32, own: i32| ratio((product >> 8).clamp(-(1 << 20), 1 << 20) << 10, own >> 8);
+        let level = |product: i32, own: i32| nearest((product >> 8).clamp(-(1 << 20), 1 << 20) << 10, own >> 8);
         let (mut slope_slope, mut residual_slope) = (i64::from(norms.slope_slope), i64::from(moments.residual_slope));
         for one in [left, right] {
-            let of_slope_q12 = i64::from(ratio((one.slope >> 8) << 12, one.own >> 8)?);
+            let of_slope_q12 = i64::from(nearest((one.slope >> 8) << 12, one.own >> 8)?);
             slope_slope -= (of_slope_q12 * i64::from(one.slope)) >> 12;
             residual_slope -= (of_slope_q12 * i64::from(one.residual)) >> 12;
         }
         let slope_slope = i32::try_from(slope_slope).ok().filter(|slope_slope| *slope_slope >= 1 << 10)?;
-        let shift_q8 = i64::from(ratio(residual_slope.clamp(-(1 << 30), 1 << 30) as i32, slope_slope >> 8)?);
+        let shift_q8 = i64::from(nearest(residual_slope.clamp(-(1 << 30), 1 << 30) as i32, slope_slope >> 8)?);
         let saturate = |product: i64| product.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
         let rest = |one: &Level| one.residual.saturating_sub(saturate((shift_q8 * i64::from(one.slope)) >> 8));
         let right_q8 = level(rest(&right), right.own)?;

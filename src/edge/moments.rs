@@ -16,7 +16,7 @@ pub(super) struct Moments {
 /// A residual counts at most so much, in 1/64 grey level: what is off by more is no noise.
 const MOST_RESIDUAL_Q6: i32 = 64 << 6;
 
-/// A product with a reciprocal. It fits: a mean of residuals over a root of at least 1/46 of the norm.
+/// A product with a reciprocal. It fits: a mean of residuals over a root of at least 1/47 of the norm.
 fn scaled(value: i32, per_q32: u32, shift: u32) -> i32 {
     ((i64::from(value) * i64::from(per_q32)) >> shift) as i32
 }
