@@ -184,8 +184,8 @@ Point the camera at anything evenly lit by the lamp alone, hold it still, switch
 some frames. Bands along the rows must show, and move from frame to frame: the exposure must be no whole
 number of the lamp's periods, and the lamp's frequency no multiple of the frame rate.
 
-Statuses: ok, too_few_frames, no_bands, exposure_of_periods, too_few_periods, inconsistent, ambiguous.
-Without a line time the exit code is 1.
+Statuses: ok, too_few_frames, no_bands, exposure_of_periods, too_few_periods, inconsistent, ambiguous,
+moving. Without a line time the exit code is 1.
 
 Examples:
   shutter-range calibrate flicker frame-*.png --frequency-hz 100   # a lamp on mains of 50 Hz

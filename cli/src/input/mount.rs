@@ -5,6 +5,14 @@ use anyhow::Result;
 use super::bounds::Bounds;
 use super::keys::Section;
 
+/// The axes in which motion and gravity are told.
+pub(crate) const fn axes_told(mount: Option<&Mount>) -> &'static str {
+    match mount {
+        Some(_) => "x forward, y left, z up",
+        None => "x right, y down, z forward",
+    }
+}
+
 /// Vectors in the robot's axes (x forward, y left, z up, as ROS has it) as the camera sees them (x right, y down, z
 /// forward).
 #[derive(Clone, Copy)]

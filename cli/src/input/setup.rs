@@ -11,7 +11,7 @@ use super::bounds::Bounds;
 use super::camera_file::{self, CameraFile, CameraSource};
 use super::camera_keys::{self, Optics};
 use super::keys::{Section, by_its_key, refuse_unknown};
-use super::mount::Mount;
+use super::mount::{Mount, axes_told};
 use super::size::Size;
 use super::toml_file;
 use super::usual::{self, Usual};
@@ -152,7 +152,7 @@ fn refuse_unusual(file: &SetupFile, camera: &Section<'_>, motion: &Section<'_>, 
         (camera, fy_key, usual::view(image.rows, image.fy, image.cy)),
         (motion, "velocity_m_s", usual::speed(file.motion.velocity_m_s())),
         (motion, "rate_rad_s", usual::rate(file.motion.rate_rad_s())),
-        (attitude, "gravity", usual::gravity(file.motion.gravity())),
+        (attitude, "gravity", usual::gravity(file.motion.gravity(), axes_told(file.mount.as_ref()))),
     ];
     checks
         .into_iter()
@@ -213,11 +213,9 @@ fn twist(
     mount: Option<&Mount>,
     default_velocity_m_s: Option<[f64; 3]>,
 ) -> Result<Twist<f64>> {
-    let (velocity, down) = match mount {
-        Some(_) => ("x forward, y left, z up (m/s)", [0.0, 0.0, -1.0]),
-        None => ("x right, y down, z forward (m/s)", [0.0, 1.0, 0.0]),
-    };
-    let velocity_m_s = motion.numbers("velocity_m_s", SPEED, velocity)?.or(default_velocity_m_s);
+    let velocity = format!("{} (m/s)", axes_told(mount));
+    let down = if mount.is_some() { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
+    let velocity_m_s = motion.numbers("velocity_m_s", SPEED, &velocity)?.or(default_velocity_m_s);
     let velocity_m_s =
         velocity_m_s.ok_or_else(|| motion.refuse("velocity_m_s", format_args!("3 numbers: {velocity}")))?;
     let rate_rad_s = motion.numbers("rate_rad_s", RATE, "about x, y, z (rad/s)")?.unwrap_or([0.0; 3]);

@@ -6,6 +6,7 @@ use anyhow::{Context, Result, ensure};
 
 use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
+use super::mount::axes_told;
 use super::nearest::list;
 use super::repeated_stamps::{self, Sample};
 use super::setup::{DIRECTION, RATE, SPEED, SetupFile};
@@ -65,7 +66,7 @@ impl Row<'_> {
         let in_camera = |vector| setup.mount.as_ref().map_or(vector, |mount| mount.in_camera(vector));
         let gravity = down.map(in_camera);
         if let (Some(down), Some(gravity)) = (down, gravity) {
-            check("gravity", usual::gravity(gravity), GRAVITY, down)?;
+            check("gravity", usual::gravity(gravity, axes_told(setup.mount.as_ref())), GRAVITY, down)?;
         }
         Ok(Sample {
             time_ns: (self.record.required("time_s", TIME)? * 1e9).round() as i64,

@@ -127,11 +127,11 @@ pub(crate) fn rate(rate_rad_s: [f64; 3]) -> Option<Objection> {
     Objection::unless(rate <= MOST_RATE_RAD_S, format!("a rate of {rate:.1} rad/s"), expected)
 }
 
-/// A camera that looks straight up or down sees no upright edges.
-pub(crate) fn gravity(gravity: [f64; 3]) -> Option<Objection> {
+/// A camera that looks straight up or down sees no upright edges. `axes` are those in which gravity was told.
+pub(crate) fn gravity(gravity: [f64; 3], axes: &str) -> Option<Objection> {
     let [_, _, along] = gravity;
     let off_axis_deg = (along.abs() / length(gravity)).min(1.0).acos().to_degrees();
-    let expected = format!("at least {LEAST_OFF_AXIS_DEG}° (axes: x right, y down, z forward)");
+    let expected = format!("at least {LEAST_OFF_AXIS_DEG}° (axes: {axes})");
     let meaning = format!("{off_axis_deg:.1}° off the optical axis");
     Objection::unless(off_axis_deg >= LEAST_OFF_AXIS_DEG, meaning, expected)
 }

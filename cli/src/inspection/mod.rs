@@ -2,6 +2,7 @@
 
 pub(crate) mod grey;
 pub(crate) mod robust;
+pub(crate) mod stillness;
 pub(crate) mod levels;
 pub(crate) mod noise;
 pub(crate) mod offsets;

@@ -66,6 +66,22 @@ fn what_cannot_be_told_has_a_reason() {
     assert!(hint.stdout.contains("flickers at 100 Hz"), "{}", hint.stdout);
 }
 
+/// No lamp at all: what changes from frame to frame is the scene, and its row means wave, too.
+#[test]
+fn a_camera_that_moves_tells_no_line_time() {
+    let moving = CAMERA.replace("velocity_m_s = [0, 0, 0]", "velocity_m_s = [1.5, 0, 0]");
+    let moving = moving.replace("columns = 160", "columns = 640").replace("rows = 240", "rows = 480");
+    let folder = Folder::new().with("camera.toml", moving.replace("fx = 300", "fx = 600"));
+    let simulated = folder.run(&["simulate", "--setup", "camera.toml", "--out", "lamp", "--frames", "4"]);
+    assert_eq!(simulated.code, 0, "{}", simulated.stderr);
+    let outcome = flicker(&folder, 4, &["--json"]);
+    let document = outcome.document();
+    assert!(document["status"] == "moving" && document["line_time_us"].is_null(), "{document}");
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (1, ""));
+    let text = flicker(&folder, 4, &[]).stdout;
+    assert!(text.starts_with("no line time: ") && text.contains("hold the camera still"), "{text}");
+}
+
 #[test]
 fn flicker_refuses_what_is_wrong() {
     let folder = lit("frequency_hz = 1000").with("text.png", "no picture");

@@ -99,4 +99,9 @@ fn mounts_that_are_refused() {
     assert!(refused("yaw = 3").contains("unknown key `mount.yaw`; the nearest is `mount.yaw_deg`"));
     // Level upright edges are hardly seen from a camera that looks up.
     assert!(refused("pitch_deg = 90").contains("off the optical axis"), "{}", refused("pitch_deg = 90"));
+    // The axes that are named are those in which it was told: this is down for a camera, and left for a robot.
+    let left = refused("yaw_deg = -90\n[attitude]\ngravity = [0.0, 1.0, 0.0]");
+    let axes = "`attitude.gravity` is [0.0, 1.0, 0.0], 0.0° off the optical axis, but must be at least 15° (axes: x \
+                forward, y left, z up)";
+    assert!(left.contains(axes), "{left}");
 }
