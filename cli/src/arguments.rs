@@ -60,7 +60,7 @@ pub(crate) enum Command {
     #[command(subcommand)]
     Calibrate(CalibrateCommand),
     /// What cameras will measure, before they drive; with several setups, which of them is the best
-    #[command(after_help = help::PLAN)]
+    #[command(after_help = help::PLAN, allow_negative_numbers = true)]
     Plan(PlanArgs),
     /// The figures of the paper from the library's own functions, with the measured points, and some that it lacks
     Figures {
@@ -106,7 +106,7 @@ pub(crate) struct PlanArgs {
     #[arg(long, value_name = "LEVELS", default_value_t = 110.0, value_parser = contrast)]
     pub(crate) contrast: f64,
     /// x/z of the post at frame start
-    #[arg(long, value_name = "BEARING", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "BEARING", default_value_t = 0.0)]
     pub(crate) bearing: f64,
     /// Read noise, one sigma in grey levels
     #[arg(long, value_name = "LEVELS", default_value_t = 2.5)]

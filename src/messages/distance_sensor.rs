@@ -15,7 +15,7 @@ pub struct DistanceSensor {
     pub min_distance: u16,
     /// Centimetres.
     pub max_distance: u16,
-    /// Centimetres, to the nearest; `max_distance + 1` where the edge is farther or nothing is known.
+    /// Centimetres, to the nearest, also below `min_distance`; `max_distance + 1` where the edge is farther or nothing is known.
     pub current_distance: u16,
     /// `MAV_SENSOR_ROTATION_CUSTOM` (100): the quaternion tells the direction.
     pub orientation: u8,

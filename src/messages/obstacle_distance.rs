@@ -51,7 +51,8 @@ impl ObstacleDistance {
         }
     }
 
-    /// Takes an edge in. One without a distance within reach, or beside the sectors, changes nothing.
+    /// Takes an edge in. One without a distance, farther than `reach` or beside the sectors changes nothing; one that is nearer
+    /// than `reach` is told as it is.
     pub fn add<S: Scalar>(&mut self, range: &Range<S>, reach: &Reach) {
         let Reading::Distance { distance_m, .. } = reach.reading(range) else { return };
         let right_deg = range.estimate.bearing.atan().to_f64().to_degrees() as f32;

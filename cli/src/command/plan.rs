@@ -90,15 +90,18 @@ pub(crate) fn plan(arguments: &PlanArgs) -> Result<Document> {
 
 /// A parameter that the library refuses, under its option.
 fn by_its_option(error: &ParameterError) -> String {
-    let name = match error.parameter {
-        "nearest_m" => "--from",
-        "farthest_m" => "--to",
-        "slowest_m_s" => "--slowest-m-s (default: the setup's speed)",
-        "fastest_m_s" => "--fastest-m-s (default: the setup's speed)",
-        "relative_sigma" => "--sigma",
-        other => other,
-    };
-    format!("{name} is {}, but must be {}", error.value, error.expected)
+    const OPTIONS: [(&str, &str); 6] = [
+        ("nearest_m", "--from"),
+        ("farthest_m", "--to"),
+        ("slowest_m_s", "--slowest-m-s"),
+        ("fastest_m_s", "--fastest-m-s"),
+        ("relative_sigma", "--sigma"),
+        ("width_m", "--width-m"),
+    ];
+    let by_option =
+        |text: &str| OPTIONS.iter().fold(text.to_string(), |text, (name, option)| text.replace(name, option));
+    let default = if error.parameter.ends_with("_m_s") { " (default: the setup's speed)" } else { "" };
+    format!("{}{default} is {}, but must be {}", by_option(error.parameter), error.value, by_option(error.expected))
 }
 
 fn target(arguments: &PlanArgs) -> Target<f64> {

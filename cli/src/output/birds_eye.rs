@@ -5,7 +5,7 @@ use std::fmt::Write;
 use shutter_range::RangeStatus;
 
 use super::report::RangeReport;
-use super::rounding::{at_least, with_sigma};
+use super::rounding::{at_least, decimals, with_sigma};
 
 /// On the ground, in metres: to the right, and ahead.
 pub(crate) type Point = [f64; 2];
@@ -147,6 +147,7 @@ impl View {
 
     fn write_grid(&self, svg: &mut String) {
         let step_m = nice_step(self.width_m.max(self.depth_m));
+        let decimals = decimals(step_m, 1);
         let (bottom_m, right_m) = (self.far_m - self.depth_m, self.left_m + self.width_m);
         let ticks = |from: f64, to: f64| {
             ((from / step_m).ceil() as i64..=(to / step_m).floor() as i64).map(move |k| k as f64 * step_m)
@@ -156,7 +157,7 @@ impl View {
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{x:.1} {top:.1}V{base:.1}\"/><text x=\"{x:.1}\" y=\"{:.1}\" \
-                 text-anchor=\"middle\">{x_m} m</text>",
+                 text-anchor=\"middle\">{x_m:.decimals$} m</text>",
                 base + 16.0
             );
         }
@@ -165,7 +166,7 @@ impl View {
             let _ = writeln!(
                 svg,
                 "<path class=\"grid\" d=\"M{left:.1} {y:.1}H{right:.1}\"/><text x=\"{:.1}\" y=\"{y:.1}\" \
-                 text-anchor=\"end\">{z_m} m</text>",
+                 text-anchor=\"end\">{z_m:.decimals$} m</text>",
                 left - 4.0
             );
         }

@@ -67,6 +67,20 @@ fn the_birds_eye_view_is_to_scale() {
     }
 }
 
+/// Slowly, all is within a metre: lines of the grid every 20 cm, the third of which is no exact number.
+#[test]
+fn the_grid_is_labelled_in_its_own_steps() {
+    let folder = folder().with("setup.toml", SETUP.replace("-1.5", "-0.3"));
+    let (page, _) = page(&folder, &["a.png"]);
+    let (_, above) = page.split_once("<svg class=\"birds-eye\"").expect("a view from above");
+    let labels: Vec<&str> =
+        above.split("</text>").filter_map(|rest| rest.rsplit_once('>')).map(|(_, text)| text).collect();
+    for label in ["-0.6 m", "0.0 m", "0.2 m", "0.6 m"] {
+        assert!(labels.contains(&label), "{label} is not in {labels:?}");
+    }
+    assert!(labels.iter().all(|label| label.len() <= "-0.6 m".len() || !label.ends_with(" m")), "{labels:?}");
+}
+
 #[test]
 fn names_are_escaped() {
     let name = "<b onload='x'>&\"é.png";

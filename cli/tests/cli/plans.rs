@@ -73,9 +73,21 @@ fn plan_refuses_what_is_wrong() {
         assert_eq!(plan(&arguments).code, 2, "{arguments:?}");
     }
     let reversed = plan(&["--from", "5", "--to", "2"]);
-    assert!(reversed.code == 1 && reversed.stderr.contains("--from is 5, but must be"), "{}", reversed.stderr);
+    assert!(
+        reversed.code == 1 && reversed.stderr.contains("--from is 5, but must be 0.001 to --to (m)"),
+        "{}",
+        reversed.stderr
+    );
+    let slow = plan(&["--slowest-m-s", "3"]);
+    assert!(
+        slow.code == 1 && slow.stderr.contains("is 3, but must be 0.001 to --fastest-m-s (m/s)"),
+        "{}",
+        slow.stderr
+    );
     let wide = plan(&["--width-m", "1e6"]);
-    assert!(wide.code == 1 && wide.stderr.contains("width_m is 1000000"), "{}", wide.stderr);
+    assert!(wide.code == 1 && wide.stderr.contains("--width-m is 1000000"), "{}", wide.stderr);
+    let negative = plan(&["--sigma", "-1"]);
+    assert!(negative.stderr.contains("'--sigma <SIGMA>': it must be a finite number above 0"), "{}", negative.stderr);
     let rest = folder.run(&["plan", "--setup", "rest.toml"]);
     assert_eq!(rest.code, 1, "{}", rest.stdout);
     assert_eq!(folder.run(&["plan"]).code, 2);

@@ -17,7 +17,7 @@ const QVGA_AT_2_HZ: [(u16, u8); 9] = [
     (0x0343, 0xB8),
     (0x3067, 0), // the clock of the board
 ];
-/// Its lower two bits divide the clock by 8 where they are zero: 1.56 MHz, 1.92 ms a line: a Cortex-M0+ needs so long.
+/// Its lower two bits divide the clock by 8 where they are zero: 1.56 MHz, 1.92 ms a line: time for a Cortex-M0+.
 const CLOCK_DIVISOR: u16 = 0x3060;
 const SOFTWARE_RESET: u16 = 0x0103;
 const COMMIT: u16 = 0x0104;
