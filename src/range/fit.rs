@@ -133,7 +133,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         if self.prior.state.is_some() {
             return self.settle_in_front(start);
         }
-        let first = self.first_round(start)?;
+        let (first, may_be_straight) = self.first_without_far_samples(start)?;
+        if !may_be_straight {
+            return self.settle(&first.line3);
+        }
         self.settle_best(&first)
     }
 
@@ -168,7 +171,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         let uncertainty = self.setup.uncertainty();
         // Where no lean is sought nothing else takes a wander of the edge.
-        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt > S::ZERO;
+        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt_at(S::ZERO) > S::ZERO;
         Wander::of::<N>(&residuals, uncertainty.edge_roughness_px, self.prior.width_px, is_known)
     }
 
