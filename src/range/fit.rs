@@ -63,7 +63,7 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
     let prior = Prior::new(None, None, S::ONE, SampleSet::default());
-    fit_with::<S, M, N>(setup, motion, samples, &prior).map(|fitted| fitted.estimate)
+    fit_with::<S, M, N>(setup, motion, &mut samples.into_iter(), &prior).map(|fitted| fitted.estimate)
 }
 
 /// An estimate, and what the next frame needs of it.
@@ -80,7 +80,7 @@ pub(crate) struct Fitted<S, const N: usize> {
 pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     setup: &Setup<S>,
     motion: &M,
-    samples: impl IntoIterator<Item = Sample<S>>,
+    samples: &mut impl Iterator<Item = Sample<S>>,
     prior: &Prior<'_, S>,
 ) -> Result<Fitted<S, N>, FitError> {
     let start = prior.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3);
@@ -106,13 +106,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         &mut self,
         motion: &M,
         start: &Line3<S>,
-        samples: impl IntoIterator<Item = Sample<S>>,
+        samples: &mut impl Iterator<Item = Sample<S>>,
     ) -> Result<(), FitError> {
         let Self { setup, prior, .. } = *self;
         let mut observer = Observer::new(setup.camera(), motion, [start.gravity, start.lean]);
         let roughness_px = setup.uncertainty().edge_roughness_px;
         let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
-        for (index, sample) in samples.into_iter().enumerate() {
+        for (index, sample) in samples.enumerate() {
             let Spread { column_px, row_px, time_s } = sample.spread;
             let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
             if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
@@ -133,7 +133,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         if self.prior.state.is_some() {
             return self.settle_in_front(start);
         }
-        let first = self.first_round(start)?;
+        let (first, may_be_straight) = self.first_without_far_samples(start)?;
+        if !may_be_straight {
+            return self.settle(&first.line3);
+        }
         self.settle_best(&first)
     }
 
@@ -168,7 +171,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         let uncertainty = self.setup.uncertainty();
         // Where no lean is sought nothing else takes a wander of the edge.
-        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt > S::ZERO;
+        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt_at(S::ZERO) > S::ZERO;
         Wander::of::<N>(&residuals, uncertainty.edge_roughness_px, self.prior.width_px, is_known)
     }
 

@@ -100,9 +100,14 @@ impl<S: Scalar> Solution<S> {
         equations.iter().map(|equation| self.deviation(equation)).fold(S::ZERO, |sum, off| sum + off * off)
     }
 
-    /// The q of an equation before it was centred.
-    pub(crate) fn uncentred_q(&self, equation: &Equation<S>) -> S {
-        equation.q + equation.one * self.mean_q
+    /// The q and the w of an equation before it was centred.
+    pub(crate) fn uncentred(&self, equation: &Equation<S>) -> [S; 2] {
+        [equation.q + equation.one * self.mean_q, equation.w + equation.one * self.mean_w]
+    }
+
+    /// Zero where tilt is not estimated.
+    pub(crate) fn variance_of_tilt(&self) -> S {
+        over(self.ww)
     }
 
     /// One over the variance of the inverse depth.

@@ -3,12 +3,38 @@
 use heapless::Vec;
 
 use super::least_squares::{Solution, solve};
+use super::line3::Line3;
 use super::problem::{Problem, Solved};
-use super::tuning::{MOST_REJECTIONS, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS};
+use super::tuning::{
+    FAR_SIGMAS, MOST_REJECTIONS, MOST_SCATTER, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS,
+};
 use crate::error::FitError;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+    /// The first round, without the samples that are so far off that even its equations tell: with them the rounds would lead
+    /// nowhere. And whether what is left may be a straight edge.
+    #[inline(never)]
+    pub(super) fn first_without_far_samples(&mut self, start: &Line3<S>) -> Result<(Solved<S>, bool), FitError> {
+        let first = self.first_round(start)?;
+        let sizes = self.deviations(&first.solution, &[]);
+        let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
+        if !(part > S::from_i32(FAR_SIGMAS)) {
+            return Ok((first, true));
+        }
+        if !is_beyond_robust_scale(part, &sizes) {
+            return Ok((first, self.may_be_straight(&first.solution)));
+        }
+        // Some or none: its equations have been reweighted.
+        let _ = self.reject_outliers(&first.solution);
+        let first = self.first_round(start)?;
+        Ok((first, self.may_be_straight(&first.solution)))
+    }
+
+    fn may_be_straight(&self, solution: &Solution<S>) -> bool {
+        self.scatter(solution) < S::from_i32(MOST_SCATTER * MOST_SCATTER)
+    }
+
     /// Rejects samples as long as there are outliers, and settles again without them.
     #[inline(never)]
     pub(super) fn settle_without_outliers(&mut self, mut solved: Solved<S>) -> Result<Solved<S>, FitError> {
@@ -28,7 +54,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
     fn has_suspicious_samples(&self, solution: &Solution<S>) -> bool {
         let sizes = self.deviations(solution, &[]);
-        let part = sizes.iter().copied().fold(S::ZERO, S::max) * S::ratio(1, SUSPICIOUS);
+        let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
         part > least_scale() && is_beyond_robust_scale(part, &sizes)
     }
 
@@ -93,6 +119,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         (solution, scales)
     }
+}
+
+fn largest<S: Scalar>(sizes: &[S]) -> S {
+    sizes.iter().copied().fold(S::ZERO, S::max)
 }
 
 /// Where all deviations are tiny, none is an outlier: half a sigma.

@@ -8,11 +8,12 @@ use super::line3::Line3;
 use super::observation::Observation;
 use super::prior::Prior;
 use super::tuning::{
-    FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SETTLED_PART,
+    FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART,
+    SETTLED_PART,
 };
 use super::wander::Stretch;
 use crate::error::FitError;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, over};
 use crate::setup::Setup;
 
 /// What is to be fitted, and the equations of the last round.
@@ -107,14 +108,14 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(Solved { has_settled: solved.has_settled, ..self.round(&solved.at, Round::Later)? })
     }
 
-    /// Iterates until a round changes next to nothing: mostly two. Rounds that go to and fro between two places meet halfway.
-    /// `None` where they do not converge.
+    /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro between two
+    /// places meet halfway. `None` where they do not converge.
     fn converge(&mut self, line3: &Line3<S>) -> Option<Solved<S>> {
-        let (settled, nearby) = (S::ratio(1, SETTLED_PART * SETTLED_PART), S::ratio(1, NEARBY_PART * NEARBY_PART));
+        let nearby = S::ratio(1, NEARBY_PART * NEARBY_PART);
         let mut solved = self.round(line3, Round::Later).ok()?;
         let mut step = solved.solution.step_squared();
         for round in 1..MOST_ROUNDS {
-            if step < settled {
+            if self.has_settled(&solved, step) {
                 return Some(solved);
             }
             let before = step;
@@ -127,6 +128,53 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             }
         }
         None
+    }
+
+    /// Whether another round would change next to nothing: this one has not moved the estimate far, and neither the samples at
+    /// both ends nor the blur have departed on the way from what their equations foretell. What scatters more than stated is
+    /// known less well.
+    fn has_settled(&self, solved: &Solved<S>, step_squared: S) -> bool {
+        let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
+        let has_settled = |scatter: S| {
+            let is_near = step_squared < scatter && self.blur_moves(solved) < settled * scatter;
+            step_squared < settled * scatter || is_near && self.is_linear(solved, settled * scatter)
+        };
+        has_settled(S::ONE) || has_settled(self.scatter(&solved.solution).max(S::ONE))
+    }
+
+    /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed by as much,
+    /// what they tell by less than the square root of `settled` sigmas, and each sigma by less than a thousandth.
+    fn is_linear(&self, solved: &Solved<S>, settled: S) -> bool {
+        let solution = &solved.solution;
+        let [per_q, per_w] = [over(solution.information_of_inverse_depth()), solution.variance_of_tilt()];
+        let (mut of_y, mut of_sigmas) = (S::ZERO, S::ZERO);
+        let mut pairs = self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.is_inlier);
+        for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
+            let Some((new, _)) = observe(observation, &solved.line3, Round::Later) else { return false };
+            let [q, w] = solution.uncentred(old);
+            let (of_q, of_w, off) = (new.q - q, new.w - w, new.y - solution.deviation(old));
+            of_sigmas = of_sigmas + of_q * of_q * per_q + of_w * of_w * per_w;
+            of_y = of_y + off * off;
+        }
+        let count = S::from_i32(self.observations.len() as i32);
+        of_y * count < settled && of_sigmas * count < S::ratio(1, SAME_SIGMA_PART * SAME_SIGMA_PART)
+    }
+
+    /// Mean square of all deviations.
+    pub(super) fn scatter(&self, solution: &Solution<S>) -> S {
+        solution.cost(&self.equations) / S::from_i32(self.observations.len().max(1) as i32)
+    }
+
+    /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its part in
+    /// the gradient.
+    fn blur_moves(&self, solved: &Solved<S>) -> S {
+        let (Some(blur), Some(old)) = (self.prior.blur, self.equations.prior.last()) else { return S::ZERO };
+        let solution = &solved.solution;
+        let [q, _] = solution.uncentred(old);
+        let before = q * solution.deviation(old);
+        let Some((new, _)) = blur.equation(&solved.line3) else { return S::ONE };
+        let change = new.q * new.y - before;
+        change * change * over(solution.information_of_inverse_depth())
     }
 
     /// The same. What does not converge is no straight edge; one round tells roughly where it is.
@@ -199,7 +247,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let Some([better, other]) = paths else { return self.settle_in_front(start) };
         let near = |change_per_m| start.moved(first.solution.change_with(change_per_m));
         let rival_cost = S::from_i32(RIVAL_COST);
-        let is_rival = other.change_per_m != better.change_per_m && other.cost < better.cost + rival_cost;
+        // Where the blur is that of a path next to nothing, both are the same place.
+        let apart = other.change_per_m - better.change_per_m;
+        let is_apart = apart * apart * information > S::ratio(1, NEARBY_PART * NEARBY_PART);
+        let is_rival = is_apart && other.cost < better.cost + rival_cost;
         let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
         let mut best_rival: Option<(Solved<S>, S)> = None;
         for rival in rivals.into_iter().flatten() {

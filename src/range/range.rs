@@ -96,7 +96,7 @@ impl<S: Scalar> Range<S> {
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
         let entering = blur.as_ref().filter(|_| blur_enters);
         let prior = Prior { is_drawn, ..Prior::new(earlier.as_ref(), entering, width_px, left_out) };
-        match fit_with::<S, M, KNOTS>(setup, motion, line.samples(), &prior) {
+        match fit_with::<S, M, KNOTS>(setup, motion, &mut line.samples(), &prior) {
             Ok(fitted) => {
                 range.fill(setup, motion, line, &fitted, earlier.is_none());
                 if let Some(blur) = &blur {

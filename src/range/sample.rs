@@ -81,17 +81,21 @@ impl<const KNOTS: usize> Line<KNOTS> {
         })
     }
 
-    /// The samples at both ends and in the middle; one of them may stand for another.
+    /// The samples at both ends and in the middle; one of them may stand for another. Only their knots are looked at.
     pub(crate) fn first_middle_and_last<S: Scalar>(&self) -> Option<[Sample<S>; 3]> {
-        let half = self.filled().count() / 2;
-        let mut samples = self.samples();
-        let first = samples.next()?;
-        let (mut middle, mut last) = (first, first);
-        for (sample, place) in samples.zip(1..) {
-            last = sample;
-            middle = if place == half { sample } else { middle };
-        }
-        Some([first, middle, last])
+        let count = self.filled().count();
+        let (spacing, first) = (self.row_spacing::<S>(), self.first_point::<S>());
+        let at = |place: usize| {
+            let mean = |place| {
+                let knot = self.filled().nth(place)?;
+                Some((knot.points, self.mean(knot, &first, S::ONE / S::from_i32(i32::from(knot.points)))))
+            };
+            let (points, sample) = mean(place)?;
+            let [before, after] = [place.checked_sub(1), Some(place + 1)].map(|place| place.and_then(mean));
+            let [before, after] = [before, after].map(|neighbour| neighbour.map_or(sample, |(_, mean)| mean));
+            Some(sample.with_spread(self.row_sigma(points, spacing), &before, &after))
+        };
+        Some([at(0)?, at(count / 2)?, at(count.checked_sub(1)?)?])
     }
 
     /// The mean of the knot in the middle, without its spread.

@@ -30,7 +30,7 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         let counts = SharedError::ALL.map(|error| error.sigma(setup, at.bearing) > S::ZERO);
         let mut responses = [Response::NONE; SHARED_ERRORS];
         for (observation, equation) in observations.iter().zip(&equations.observed) {
-            let uncentred_q = solution.uncentred_q(equation);
+            let [uncentred_q, _] = solution.uncentred(equation);
             let errors = self.errors(observation, &counts, uncentred_q);
             for ((response, error), _) in responses.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
                 response.add(solution, equation, error);

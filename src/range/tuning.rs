@@ -28,6 +28,9 @@ pub(super) const MOST_SIGMAS: i32 = 1_000;
 /// square of that (`cargo test least_squares` allows 1/100).
 pub(super) const SETTLED_PART: i32 = 50;
 
+/// Nor is another round needed that would change each sigma by less than this part (`cargo test least_squares`).
+pub(super) const SAME_SIGMA_PART: i32 = 1_000;
+
 /// Where only sigmas have changed, equations linearised this part of a sigma away are as good as new ones: 1/4. New ones would
 /// move it by the hundredth part of a sigma at most.
 pub(super) const NEARBY_PART: i32 = 4;
@@ -56,6 +59,13 @@ pub(super) const RIVAL_COST: i32 = 25;
 
 /// Beyond so many times the robust scale a sample may be an outlier.
 pub(super) const SUSPICIOUS: i32 = 3;
+
+/// Where the largest deviation is more than three times so many sigmas, outliers are looked for before the first estimate has
+/// settled.
+pub(super) const FAR_SIGMAS: i32 = 5;
+
+/// What scatters by more than so many sigmas is no straight edge: which of several minima it is nearest to tells nothing.
+pub(super) const MOST_SCATTER: i32 = 30;
 
 /// Beyond so many times the robust scale, and 16/N more, a sample of N is an outlier (`cargo test outliers`).
 pub(super) const OUTLIER: i32 = 4;

@@ -95,10 +95,17 @@ impl<S: Scalar> Wander<S> {
         let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
         let roughness_rows = S::from_i32(ROUGHNESS_ROWS);
         let alike_rows = if is_known { roughness_rows } else { crossing_rows.min(longest).max(roughness_rows) };
+        let none = S::ZERO;
+        if roughness_px == none {
+            let shown = Shown::of::<N>(residuals, None);
+            if shown.noise == S::ONE && (is_known || shown.is_chance()) {
+                return None;
+            }
+        }
         let kernel = Kernel::<S, N>::new(residuals, alike_rows);
-        let shown = Shown::of(residuals, &kernel);
+        let shown = Shown::of(residuals, (!is_known).then_some(&kernel));
         let wander_px2 = if is_known { roughness_px * roughness_px } else { shown.wander_px2(residuals, roughness_px) };
-        if shown.noise == S::ONE && wander_px2 == S::ZERO {
+        if shown.noise == S::ONE && wander_px2 == none {
             return None;
         }
         let wander = Self { noise: shown.noise, wander_px2, alike_rows, inflation: S::ONE };
@@ -200,10 +207,12 @@ struct Shown<S> {
 }
 
 impl<S: Scalar> Shown<S> {
-    fn of<const N: usize>(residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>) -> Self {
+    /// Without a kernel: of white noise that is all of the sigma, so that each mode has one square of it.
+    fn of<const N: usize>(residuals: &[Residual<'_, S>], kernel: Option<&Kernel<S, N>>) -> Self {
         let none = S::ZERO;
         let modes = residuals.len().saturating_sub(SPENT + SPENT).min(WANDER_MODES);
-        let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise: none, of_wander: none, modes };
+        let of_noise = if kernel.is_none() { S::from_i32(modes as i32) } else { none };
+        let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise, of_wander: none, modes };
         let cap = S::from_i32(MOST_SIGMAS);
         let (mut rest, mut stated) = (none, none);
         // Deviation and stated noise in units of the sigma that the fit has used.
@@ -225,12 +234,14 @@ impl<S: Scalar> Shown<S> {
             let power = along * along * mode.per_square();
             rest = rest - power;
             if order >= SPENT {
-                let of_noise = mode.values().zip(&relative).map(|(part, (_, noise))| part * *noise);
-                let of_noise = of_noise.fold(none, |sum, part| sum + part * part);
-                let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.per_sigma);
                 shown.power = shown.power + power;
-                shown.of_noise = shown.of_noise + of_noise * mode.per_square();
-                shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
+                if let Some(kernel) = kernel {
+                    let of_noise = mode.values().zip(&relative).map(|(part, (_, noise))| part * *noise);
+                    let of_noise = of_noise.fold(none, |sum, part| sum + part * part);
+                    let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.per_sigma);
+                    shown.of_noise = shown.of_noise + of_noise * mode.per_square();
+                    shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
+                }
             }
         }
         shown.judge_noise(residuals.len(), rest, stated);
@@ -248,14 +259,18 @@ impl<S: Scalar> Shown<S> {
         }
     }
 
+    /// Whether noise alone has modes as large as these.
+    fn is_chance(&self) -> bool {
+        let most = chance_limit(S::from_i32(self.modes as i32), S::from_i32(WANDERING_SIGMAS));
+        self.power <= self.of_noise * self.noise * most
+    }
+
     /// Variance of the wander.
     fn wander_px2(&self, residuals: &[Residual<'_, S>], roughness_px: S) -> S {
         let of_noise = self.of_noise * self.noise;
         let shown_px2 = (self.power - of_noise).max(S::ZERO) * over(self.of_wander);
         if roughness_px == S::ZERO {
-            let is_chance =
-                self.power <= of_noise * chance_limit(S::from_i32(self.modes as i32), S::from_i32(WANDERING_SIGMAS));
-            return if is_chance { S::ZERO } else { shown_px2 };
+            return if self.is_chance() { S::ZERO } else { shown_px2 };
         }
         // Noise is measured along the row. As far as it does not change from row to row it belongs to the columns.
         let of_row = |Residual { stretch, .. }: &Residual<'_, S>| stretch.noise_px * stretch.noise_px * stretch.rows;

@@ -291,7 +291,10 @@ impl Scalar for Q32 {
     }
 
     fn from_i64(value: i64) -> Self {
-        Self::of_size(value < 0, value.unsigned_abs(), 0)
+        match i32::try_from(value) {
+            Ok(small) => Self::from_i32(small),
+            Err(_) => Self::of_size(value < 0, value.unsigned_abs(), 0),
+        }
     }
 
     fn from_ratio(numerator: i64, denominator: i64) -> Self {

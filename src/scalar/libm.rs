@@ -19,7 +19,11 @@ macro_rules! scalar_on_libm {
             }
 
             fn from_i64(value: i64) -> Self {
-                value as Self
+                // Most fit into 32 bits, which some cores convert by an instruction.
+                match i32::try_from(value) {
+                    Ok(small) => small as Self,
+                    Err(_) => value as Self,
+                }
             }
 
             fn from_ratio(numerator: i64, denominator: i64) -> Self {

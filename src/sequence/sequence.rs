@@ -293,8 +293,9 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let axes = self.landmarks.axes(motion);
         let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         let mut blend = Blend::default();
-        let mut left = 0;
+        let (mut left, mut all) = (0, 0);
         for (place, sample) in line.samples::<S>().enumerate() {
+            all += 1;
             let Some(seen) = observer.observe(&sample) else { continue };
             let row = RowPlane::new(motion, &seen);
             let blends = |landmark: &mut Landmark<S>| {
@@ -311,7 +312,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
                 left += 1;
             }
         }
-        blend.is_whole = left < LEAST_SAMPLES || 2 * left < line.samples::<S>().count();
+        blend.is_whole = left < LEAST_SAMPLES || 2 * left < all;
         blend
     }
 

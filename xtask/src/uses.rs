@@ -1,6 +1,6 @@
 //! [`Use`]: what is measured, each with the figures that it yields.
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use shutter_range::format::PixelFormat;
@@ -247,8 +247,15 @@ fn line_worst(firmware: &Firmware, name: &str) -> Result<Measured> {
         spoil(line, &mut StdRng::seed_from_u64(1000 + seed));
     }
     let told = solve_lines(firmware, &rig, &motion, &lines)?;
-    figures_of_lines(&told, |counts| most(counts.iter().copied()))
+    let figures = figures_of_lines(&told, |counts| most(counts.iter().copied()))?;
+    let mean = line(firmware, name)?;
+    let (Some((_, worst)), Some((_, mean))) = (figures.first(), mean.first()) else { bail!("nothing was counted") };
+    ensure!(worst <= &(MOST_TIMES_MEAN * mean), "the dearest line takes {worst}, and the mean of clean ones is {mean}");
+    Ok(figures)
 }
+
+/// No line takes more than so many times what clean lines take on average.
+const MOST_TIMES_MEAN: f64 = 3.0;
 
 fn spoil(line: &mut [EdgePoint], random: &mut StdRng) {
     let sizes = 0.3_f64 * 100.0_f64.powf(random.random());
