@@ -2,7 +2,9 @@
 
 use fixed::types::I32F32;
 use rand::{Rng, SeedableRng, rngs::StdRng};
-use shutter_range::{Micro, Q32, Readout, ReadoutDirection, Scalar};
+use shutter_range::{Micro, Motion, Q32, Readout, ReadoutDirection, Scalar, Twist};
+
+use crate::projection;
 
 /// Largest absolute error of `function` over `steps` + 1 points from `from` to `to`, against `exact`.
 fn worst<S: Scalar>(from: f64, to: f64, function: impl Fn(S) -> S, exact: impl Fn(f64) -> f64) -> f64 {
@@ -174,4 +176,39 @@ fn maximum_and_minimum_pass_over_nan() {
     assert_eq!(Scalar::max(1.0_f32, f32::NAN), 1.0);
     assert_eq!(Scalar::min(f64::NAN, 1.0_f64), 1.0);
     assert_eq!(Scalar::min(1.0_f64, f64::NAN), 1.0);
+}
+
+/// Largest error of the rotation of a camera that has turned about all its axes, by angles from `from` to `to`, in radians.
+fn worst_rotation<S: Scalar>(from: f64, to: f64) -> f64 {
+    const STEPS: u32 = 500;
+    let rate_rad_s = [0.6, -0.64, 0.48];
+    let none = [S::ZERO; 3];
+    let motion = Twist::new(none, rate_rad_s.map(S::from_f64), [S::ZERO, S::ONE, S::ZERO]).expect("a motion");
+    let error = |step| {
+        let time_s = S::from_f64(from + (to - from) * f64::from(step) / f64::from(STEPS));
+        // What the type makes of the rate is no error of the rotation.
+        let exact = projection::rotation(rate_rad_s.map(|rate| S::from_f64(rate).to_f64() * time_s.to_f64()));
+        let pairs = motion.pose(time_s).rotation.into_iter().flatten().zip(exact.into_iter().flatten());
+        pairs.map(|(entry, exact)| (entry.to_f64() - exact).abs()).fold(0.0, f64::max)
+    };
+    (0..=STEPS).map(error).fold(0.0, f64::max)
+}
+
+/// By series, and by doublings of the angle beyond one radian, each of which doubles the error at most. An exact rotation would be
+/// one of double precision.
+#[test]
+fn any_angle_is_turned_to_the_last_bits() {
+    for (from, to) in [(0.0, 0.06), (0.06, 1.0), (1.0, 3.2), (3.2, 30.0)] {
+        let scale = f64::max(1.0, to);
+        let errors = [
+            ("f32", worst_rotation::<f32>(from, to), 1.5e-7),
+            ("micro", worst_rotation::<Micro>(from, to), 1.5e-7),
+            ("fixed", worst_rotation::<Q32>(from, to), 4e-9),
+            ("f64", worst_rotation::<f64>(from, to), 1e-12),
+        ];
+        for (name, worst, most) in errors {
+            println!("{name} {from} to {to}: {worst:.1e}");
+            assert!((most * 1e-4..most * scale).contains(&worst), "{name} {from} to {to}: {worst:e}");
+        }
+    }
 }

@@ -363,7 +363,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
             if self.stitch(limits, row, place).is_some() && index < self.under_way.len() {
-                self.under_way.swap_remove(index);
+                self.leave_out(index);
             } else {
                 index += 1;
             }
@@ -406,12 +406,20 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
+    /// Takes a place out of those under way; the last one takes its room. `swap_remove` could panic where code is small.
+    fn leave_out(&mut self, index: usize) {
+        let last = self.under_way.pop();
+        if let (Some(room), Some(last)) = (self.under_way.get_mut(index), last) {
+            *room = last;
+        }
+    }
+
     fn count_missed(&mut self, limits: &Limits, row: u16) {
         let mut index = 0;
         while let Some(place) = self.under_way.get(index).copied() {
             let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::track_mut);
             if track.is_some_and(|track| track.has_missed_too_many(limits, row)) {
-                self.under_way.swap_remove(index);
+                self.leave_out(index);
                 self.finish(place);
             } else {
                 index += 1;

@@ -33,19 +33,33 @@ fn short_series<S: Scalar>(square: S, [first, second, third, fourth]: [i32; 4]) 
 /// Squares of angles below one over this are those of small angles.
 const SMALL: i32 = 256;
 
+/// An angle that is more than one radian after so many halvings, 10¹⁹ of them, is none that a type resolves.
+const MOST_HALVINGS: usize = 64;
+
+/// A and B of an angle of any size: from the series of a half, a quarter and so on of it that is at most one radian, by
+/// `A(2φ) = A cos φ` and `B(2φ) = A²/2`.
+#[inline(never)]
+fn doubled<S: Scalar>(square: S) -> [S; 2] {
+    let (mut part, mut halvings) = (square, 0);
+    while part > S::ONE && halvings < MOST_HALVINGS {
+        (part, halvings) = (part.half().half(), halvings + 1);
+    }
+    let [mut a, mut b, _] = series(part);
+    for _ in 0..halvings {
+        (a, b) = (a * (S::ONE - b * part), (a * a).half());
+        part = part * S::from_i32(4);
+    }
+    [a, b]
+}
+
 impl<S: Scalar> Rotation<S> {
-    /// Up to one radian by a series, because the angles within a frame are small and a back end's own trigonometry may be
-    /// coarse.
+    /// By series and not by a back end's own trigonometry, which may be coarse, and in single precision calculates with doubles.
     pub(super) fn from_vector(vector: [S; 3]) -> Self {
         let square = dot(vector, vector);
         let [a, b] = if square < S::ratio(1, SMALL) {
             [short_series(square, [1, 6, 120, 5_040]), short_series(square, [2, 24, 720, 40_320])]
-        } else if square > S::ONE {
-            let angle = square.sqrt();
-            [angle.sin() / angle, (S::ONE - angle.cos()) / square]
         } else {
-            let [a, b, _] = series(square);
-            [a, b]
+            doubled(square)
         };
         Self { vector, square, a, b }
     }

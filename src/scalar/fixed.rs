@@ -101,7 +101,7 @@ impl Q32 {
         if self.mantissa == 0 { self } else { Self::bounded(self.mantissa, self.exponent + power) }
     }
 
-    fn is_infinite(self) -> bool {
+    const fn is_infinite(self) -> bool {
         self.exponent > LARGEST
     }
 }
@@ -123,23 +123,36 @@ impl Add for Q32 {
 
     #[inline(never)]
     fn add(self, other: Self) -> Self {
-        let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
         // Without overflow: exponents are far from those of the integers.
-        let shift = large.exponent - small.exponent;
+        let shift = self.exponent - other.exponent;
+        if shift < 0 { other.add_smaller(self.mantissa, -shift) } else { self.add_smaller(other.mantissa, shift) }
+    }
+}
+
+impl Q32 {
+    /// The sum with a number whose exponent is lower by `shift`.
+    // Inlined twice: choosing between the two numbers takes as long as adding them.
+    #[inline(always)]
+    const fn add_smaller(self, mantissa: i32, shift: i32) -> Self {
         if shift > 31 {
-            return large;
+            return self;
         }
-        let (sum, overflows) = large.mantissa.overflowing_add(small.mantissa >> shift);
+        let (sum, overflows) = self.mantissa.overflowing_add(mantissa >> shift);
         if overflows {
             // The sign bit is the one that was lost.
-            return Self::bounded((sum >> 1) ^ i32::MIN, large.exponent + 1);
+            return Self::bounded((sum >> 1) ^ i32::MIN, self.exponent + 1);
         }
-        // Most sums need no shift or one, and not every core counts zeros.
+        // Most sums need no shift: sign and leading bit differ. Not the smallest integer.
+        let twice = sum << 1;
+        if twice != 0 && (twice ^ sum) < 0 {
+            return Self { mantissa: sum, exponent: self.exponent };
+        }
+        // Others need one, and not every core counts zeros.
         match sum.unsigned_abs() >> 29 {
-            2 | 3 => Self { mantissa: sum, exponent: large.exponent },
-            _ if large.is_infinite() => large,
-            1 => Self::bounded(sum << 1, large.exponent - 1),
-            _ => Self::normalised(sum, large.exponent),
+            2 => Self { mantissa: sum, exponent: self.exponent },
+            _ if self.is_infinite() => self,
+            1 => Self::bounded(sum << 1, self.exponent - 1),
+            _ => Self::normalised(sum, self.exponent),
         }
     }
 }
@@ -192,14 +205,15 @@ impl Q32 {
 /// The product of two mantissas over 2³⁰, or over 2³¹ where that does not fit, and which of the two.
 #[inline(always)]
 fn product_of_mantissas(a: i32, b: i32) -> (i32, i32) {
-    const QUARTER: i32 = 1 << 29;
     let (high, low) = product(a, b);
-    if -QUARTER < high && high < QUARTER {
-        ((high << 2) | (low >> 30) as i32, 0)
-    } else if high == -QUARTER {
+    // Below 2²⁹ in size the third bit from above is a sign as well.
+    let fourfold = high << 2;
+    if (fourfold ^ high) < 0 {
+        ((high << 1) | (low >> 31) as i32, 1)
+    } else if fourfold << 1 == 0 {
         (-1 << 30, 1)
     } else {
-        ((high << 1) | (low >> 31) as i32, 1)
+        (fourfold | (low >> 30) as i32, 0)
     }
 }
 

@@ -11,10 +11,11 @@ pub(super) fn product(a: i32, b: i32) -> (i32, u32) {
     const LOW: i32 = 0xffff;
     let (a_high, a_low, b_high, b_low) = (a >> 16, a & LOW, b >> 16, b & LOW);
     let low = (a_low as u32).wrapping_mul(b_low as u32);
-    let (mixed, other) = (a_low.wrapping_mul(b_high), a_high.wrapping_mul(b_low));
-    let middle = (low >> 16) + (mixed & LOW) as u32 + (other & LOW) as u32;
-    let high = a_high.wrapping_mul(b_high).wrapping_add(mixed >> 16).wrapping_add(other >> 16);
-    (high.wrapping_add((middle >> 16) as i32), (middle << 16) | (low & LOW as u32))
+    // No sum overflows: half a word leaves as much room below the largest product of an integer's halves.
+    let middle = a_high * b_low + (low >> 16) as i32;
+    let next = a_low * b_high + (middle & LOW);
+    let high = a_high * b_high + (middle >> 16) + (next >> 16);
+    (high, ((next as u32) << 16) | (low & LOW as u32))
 }
 
 /// The product over 2 to the power of `32 - LEFT`; what does not fit is lost.

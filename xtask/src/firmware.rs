@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail, ensure};
-use object::{Object, ObjectSection};
+use object::{Object, ObjectSection, ObjectSymbol};
 
 use crate::board::{BackEnd, Board, Opt};
 use crate::job::Job;
@@ -13,9 +13,16 @@ use crate::job::Job;
 /// A program that hangs is ended after this.
 const SECONDS: &str = "120";
 
+/// Routines for floating-point numbers on cores that do not calculate with them, as the compiler's library has them.
+const OF_SINGLES: [&str; 8] =
+    ["__addsf3", "__subsf3", "__mulsf3", "__divsf3", "__floatsisf", "__floatdisf", "__fixsfsi", "__fixsfdi"];
+const OF_DOUBLES: [&str; 8] =
+    ["__adddf3", "__subdf3", "__muldf3", "__divdf3", "__extendsfdf2", "__truncdfsf2", "__floatsidf", "__fixdfsi"];
+
 /// The programs of `xtask/firmware`, linked for a board, a back end and an optimisation.
 pub(crate) struct Firmware {
     board: Board,
+    backend: BackEnd,
     programs: PathBuf,
 }
 
@@ -56,7 +63,7 @@ impl Firmware {
         cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", opt.to_string()).current_dir(&root);
         let status = cargo.status().context(".ci/bare")?;
         ensure!(status.success(), "the firmware for {board} with {backend} does not build");
-        Ok(Self { board, programs: directory.join(board.target()).join("release") })
+        Ok(Self { board, backend, programs: directory.join(board.target()).join("release") })
     }
 
     /// Runs a program with a job; what it prints, line by line and word by word.
@@ -104,6 +111,24 @@ impl Firmware {
         }
         ensure!(size.flash > 1000, "{}: the program is empty", path.display());
         Ok(size)
+    }
+
+    /// Refuses a program that holds arithmetic of another number type than its own: doubles in single precision, and any
+    /// floating point in fixed point.
+    pub(crate) fn ensure_own_arithmetic(&self, program: &str) -> Result<()> {
+        let foreign: &[&[&str]] = match self.backend {
+            BackEnd::F32 | BackEnd::Micro => &[&OF_DOUBLES],
+            BackEnd::Fixed => &[&OF_SINGLES, &OF_DOUBLES],
+            BackEnd::F64 => &[],
+        };
+        let path = self.program(program);
+        let data = fs::read(&path).with_context(|| path.display().to_string())?;
+        let elf = object::File::parse(&*data)?;
+        let mut names = elf.symbols().filter_map(|symbol| symbol.name().ok()).peekable();
+        ensure!(names.peek().is_some(), "{}: no symbols to check", path.display());
+        let found = names.find(|name| foreign.iter().flat_map(|of| of.iter()).any(|routine| name.contains(routine)));
+        ensure!(found.is_none(), "{program} in {} holds {}", self.backend, found.unwrap_or_default());
+        Ok(())
     }
 
     fn program(&self, name: &str) -> PathBuf {

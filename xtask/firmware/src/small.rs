@@ -68,8 +68,9 @@ pub fn measure(program: impl FnOnce() -> bool) -> ! {
     let painted = stack::Painted::below(stack::free().min(1 << 17));
     let went_well = program();
     let mut rest = (above + painted.used()) as u32;
-    for scale in [100_000, 10_000, 1000, 100, 10, 1] {
-        let digit = rest / scale;
+    for scale in [100_000, 10_000, 1000, 100, 10, 1_u32] {
+        // A division that could panic would bring `core::fmt` with it.
+        let digit = rest.checked_div(scale).unwrap_or(0);
         sys_writec(b'0' + digit as u8);
         rest -= digit * scale;
     }
