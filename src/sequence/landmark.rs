@@ -107,7 +107,9 @@ impl<S: Scalar> Landmark<S> {
         let gate = S::from_i32(GATE_SIGMAS * GATE_SIGMAS);
         let sigma = static_sigma(comparison.sigma_middle_px);
         let has_moved = distance > sigma * S::from_i32(STATIC_SIGMAS);
-        let is_doubtful = distance > sigma * S::from_i32(DOUBTFUL_SIGMAS);
+        // Nothing but what is stated: it would not be in the sigma of what goes on.
+        let stated = hypot(comparison.sigma_middle_px, observation.middle.sigma_px);
+        let is_doubtful = distance > stated * S::from_i32(DOUBTFUL_SIGMAS);
         // Where no edge is known yet, none can have moved.
         let fits = comparison.square <= gate && !(self.is_tentative && has_moved);
         fits.then_some(Match { place, cost: comparison.cost, band_px: distance.max(sigma), has_moved, is_doubtful })
@@ -144,7 +146,7 @@ impl<S: Scalar> Landmark<S> {
     ///
     /// A line that is where a static edge cannot be has moved: it starts anew. In two frames time and depth are the same, so
     /// that what the second one tells is as unsure as the time, unless other edges have shown that it is right:
-    /// `unsure_interval_s` is the time since the frame before, if none have.
+    /// `unsure_interval_s` is the time since the frame before, if none have. So is the time of each frame that has missed it.
     pub(crate) fn update<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -154,9 +156,10 @@ impl<S: Scalar> Landmark<S> {
         unsure_interval_s: Option<S>,
     ) -> Range<S> {
         let Some(matched) = self.matched else { return Range::from_line(setup, motion, line) };
-        let has_moved = matched.has_moved;
-        // Two frames whose time was unsure are known by a third one to belong together.
-        let is_refuted = self.frames == 2 && unsure_interval_s.is_some() && matched.is_doubtful;
+        // Two frames whose time was unsure are known by a third one to belong together; that they do not is no motion.
+        let is_unsure = self.frames <= 2 && unsure_interval_s.is_some();
+        let has_moved = matched.has_moved && !is_unsure;
+        let is_refuted = is_unsure && (matched.has_moved || self.frames == 2 && matched.is_doubtful);
         let begins_anew = has_moved || is_refuted;
         let earlier = (!begins_anew).then_some(self.state);
         let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
@@ -164,7 +167,8 @@ impl<S: Scalar> Landmark<S> {
             Some(state) => {
                 let is_second = self.frames == 1 && !begins_anew;
                 let told = unsure_interval_s.filter(|_| is_second).map(|interval_s| {
-                    let earlier = self.state.with_unsure_time(motion, &state.line3, interval_s);
+                    let since_first_s = interval_s * S::from_i32(i32::from(self.missed) + 1);
+                    let earlier = self.state.with_unsure_time(motion, &state.line3, since_first_s);
                     Range::continued(setup, motion, line, earlier, left_out).0
                 });
                 self.state = state;
