@@ -339,7 +339,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let Some(extent) = Extent::between(&state.line3, &observation.rows) else { return range };
         let is_tentative = !is_informative(range.status)
             || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
-        let landmark = Landmark::new(id, line.first().polarity, is_tentative, state, extent);
+        let landmark = Landmark::new(id, observation, is_tentative, state, extent);
         if self.landmarks.insert(landmark).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
