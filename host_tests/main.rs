@@ -12,6 +12,7 @@ mod camera_pipeline;
 mod clocks;
 mod clutter;
 mod continuity;
+mod contrast;
 mod coverage;
 mod drawn;
 mod endpoints;

@@ -145,6 +145,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels && self.prominence.is_by_chance(self.points, rows)
     }
 
+    /// Mean contrast in grey levels, whatever its polarity; zero for a line of points that were handed over.
+    pub(crate) fn contrast(&self) -> u8 {
+        self.prominence.contrast()
+    }
+
     /// The point that was read first.
     #[must_use]
     pub const fn first(&self) -> &EdgePoint {

@@ -40,6 +40,13 @@ impl Prominence {
         square < CHANCE_SIGMAS * CHANCE_SIGMAS * ALIKE_ROWS * sigma_q8 * sigma_q8
     }
 
+    /// Mean contrast in grey levels; zero where none was looked at.
+    pub(super) fn contrast(&self) -> u8 {
+        let sum = u32::from(self.rows) << 2;
+        let mean = (self.along.max(0) as u32).saturating_add(sum >> 1).checked_div(sum).unwrap_or(0);
+        mean.min(u8::MAX.into()) as u8
+    }
+
     /// Whether two lines have the same contrast, within a third.
     pub(super) fn is_like(&self, other: &Self) -> bool {
         let mean_q8 = |one: &Self| (i64::from(one.along) << 8).checked_div(one.rows.into()).unwrap_or(0);

@@ -5,8 +5,8 @@ use super::gate::{Comparison, sigma_px};
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::tuning::{
-    COLUMN_DECIPIXELS, DOUBTFUL_SIGMAS, GATE_SIGMAS, HOLD_OFF_FRAMES, STATIC_SIGMAS, STRIP_PX, TELLING_FRAMES,
-    WANDER_PARTS_PX,
+    COLUMN_DECIPIXELS, CONTRAST_PERCENT, DOUBTFUL_SIGMAS, GATE_SIGMAS, HOLD_OFF_FRAMES, MOST_CONTRAST_SIGMAS,
+    STATIC_SIGMAS, STRIP_PX, TELLING_FRAMES, WANDER_PARTS_PX,
 };
 use super::vertical::EdgePlane;
 use crate::edge::Polarity;
@@ -29,10 +29,12 @@ pub(crate) struct Landmark<S> {
     pub(crate) missed: u16,
     /// Frames that must still agree before it counts as static again, after it was where a static edge cannot be.
     pub(crate) hold_off: u16,
+    /// Of its last line, in grey levels; zero where it is not known.
+    pub(crate) contrast: u8,
     /// The frames so far may agree by chance: it is not told.
     pub(crate) is_tentative: bool,
     /// How many lines of this frame run beside it as it would.
-    pub(crate) parallel_lines: u16,
+    pub(crate) parallel_lines: u8,
     /// How often lines that have nothing to do with each other agree as well as those of its frames, for each line that
     /// begins.
     pub(crate) chance: S,
@@ -63,10 +65,17 @@ pub(crate) struct Match<S> {
 
 impl<S: Scalar> Landmark<S> {
     /// An edge that one frame has shown.
-    pub(crate) fn new(id: u32, polarity: Polarity, is_tentative: bool, state: LineState<S>, extent: Extent<S>) -> Self {
+    pub(crate) fn new(
+        id: u32,
+        observation: &LineObservation<S>,
+        is_tentative: bool,
+        state: LineState<S>,
+        extent: Extent<S>,
+    ) -> Self {
         Self {
             id,
-            polarity,
+            polarity: observation.polarity,
+            contrast: observation.contrast,
             frames: 1,
             missed: 0,
             hold_off: 0,
@@ -107,10 +116,19 @@ impl<S: Scalar> Landmark<S> {
         let gate = S::from_i32(GATE_SIGMAS * GATE_SIGMAS);
         let sigma = static_sigma(comparison.sigma_middle_px);
         let has_moved = distance > sigma * S::from_i32(STATIC_SIGMAS);
-        let is_doubtful = distance > sigma * S::from_i32(DOUBTFUL_SIGMAS);
+        // Nothing but what is stated: it would not be in the sigma of what goes on.
+        let stated = hypot(comparison.sigma_middle_px, observation.middle.sigma_px);
+        let is_doubtful = distance > stated * S::from_i32(DOUBTFUL_SIGMAS);
         // Where no edge is known yet, none can have moved.
-        let fits = comparison.square <= gate && !(self.is_tentative && has_moved);
-        fits.then_some(Match { place, cost: comparison.cost, band_px: distance.max(sigma), has_moved, is_doubtful })
+        let contrast = contrast_square(self.contrast, observation.contrast);
+        let fits = comparison.square + contrast <= gate && !(self.is_tentative && has_moved);
+        fits.then_some(Match {
+            place,
+            cost: comparison.cost + contrast,
+            band_px: distance.max(sigma),
+            has_moved,
+            is_doubtful,
+        })
     }
 
     /// Whether a line can be one of this edge, wherever in the row it lies.
@@ -144,7 +162,7 @@ impl<S: Scalar> Landmark<S> {
     ///
     /// A line that is where a static edge cannot be has moved: it starts anew. In two frames time and depth are the same, so
     /// that what the second one tells is as unsure as the time, unless other edges have shown that it is right:
-    /// `unsure_interval_s` is the time since the frame before, if none have.
+    /// `unsure_interval_s` is the time since the frame before, if none have. So is the time of each frame that has missed it.
     pub(crate) fn update<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -154,9 +172,10 @@ impl<S: Scalar> Landmark<S> {
         unsure_interval_s: Option<S>,
     ) -> Range<S> {
         let Some(matched) = self.matched else { return Range::from_line(setup, motion, line) };
-        let has_moved = matched.has_moved;
-        // Two frames whose time was unsure are known by a third one to belong together.
-        let is_refuted = self.frames == 2 && unsure_interval_s.is_some() && matched.is_doubtful;
+        // Two frames whose time was unsure are known by a third one to belong together; that they do not is no motion.
+        let is_unsure = self.frames <= 2 && unsure_interval_s.is_some();
+        let has_moved = matched.has_moved && !is_unsure;
+        let is_refuted = is_unsure && (matched.has_moved || self.frames == 2 && matched.is_doubtful);
         let begins_anew = has_moved || is_refuted;
         let earlier = (!begins_anew).then_some(self.state);
         let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
@@ -164,10 +183,12 @@ impl<S: Scalar> Landmark<S> {
             Some(state) => {
                 let is_second = self.frames == 1 && !begins_anew;
                 let told = unsure_interval_s.filter(|_| is_second).map(|interval_s| {
-                    let earlier = self.state.with_unsure_time(motion, &state.line3, interval_s);
+                    let since_first_s = interval_s * S::from_i32(i32::from(self.missed) + 1);
+                    let earlier = self.state.with_unsure_time(motion, &state.line3, since_first_s);
                     Range::continued(setup, motion, line, earlier, left_out).0
                 });
                 self.state = state;
+                self.contrast = line.contrast();
                 let observation = LineObservation::new(setup, motion, &state.line3, line);
                 self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
                 self.frames = if begins_anew { 1 } else { self.frames.saturating_add(1) };
@@ -253,6 +274,17 @@ impl<S: Scalar> Landmark<S> {
         let extent = self.extent.propagated(&self.state.line3, transition)?;
         Some(Self { state: self.state.propagated(setup, transition)?, matched: None, extent, ..self })
     }
+}
+
+/// Square of how much two contrasts differ, in sigmas; nothing where one is not known.
+fn contrast_square<S: Scalar>(one: u8, other: u8) -> S {
+    if one == 0 || other == 0 {
+        return S::ZERO;
+    }
+    let (one, other) = (i32::from(one), i32::from(other));
+    // The difference in parts of the mean is nearly that of the logarithms.
+    let sigmas = S::ratio(200 * (one - other), CONTRAST_PERCENT * (one + other));
+    (sigmas * sigmas).min(S::from_i32(MOST_CONTRAST_SIGMAS * MOST_CONTRAST_SIGMAS))
 }
 
 /// One sigma of how far a line may be from its prediction, in pixels: of both together.

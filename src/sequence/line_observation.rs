@@ -10,6 +10,8 @@ use crate::setup::Setup;
 /// A line of this frame at its ends and in its middle.
 pub(crate) struct LineObservation<S> {
     pub(crate) polarity: Polarity,
+    /// In grey levels; zero where it is not known.
+    pub(crate) contrast: u8,
     /// The rows of its ends.
     pub(super) rows: [RowPlane<S>; 2],
     pub(super) ends: [Observation<S>; 2],
@@ -33,6 +35,7 @@ impl<S: Scalar> LineObservation<S> {
         let ends = [first_seen?, last_seen?];
         Some(Self {
             polarity: line.first().polarity,
+            contrast: line.contrast(),
             columns_px: [first.min(last), first.max(last)],
             rows: ends.each_ref().map(|end| RowPlane::new(motion, end)),
             ends,

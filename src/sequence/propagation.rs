@@ -43,12 +43,12 @@ impl<S: Scalar> LineState<S> {
         Some(if seeks_tilt { state } else { state.upright() })
     }
 
-    /// The same where nothing shows that the time since the frame before is right. `other` is the same edge at another depth that
+    /// The same where nothing shows that the time since it was seen first is right. `other` is the same edge at another depth that
     /// it may have: it goes along its way as the nearer one of the two does. `None` where that leads beside or behind the camera.
-    pub(crate) fn with_unsure_time<M: Motion<S>>(&self, motion: &M, other: &Line3<S>, interval_s: S) -> Option<Self> {
+    pub(crate) fn with_unsure_time<M: Motion<S>>(&self, motion: &M, other: &Line3<S>, elapsed_s: S) -> Option<Self> {
         let inverse_depth = self.line3.inverse_depth.abs().max(other.inverse_depth.abs());
         let line3 = Line3 { inverse_depth, ..*other };
-        let sigma_time_s = interval_s * S::ratio(UNSURE_TIME.0, UNSURE_TIME.1);
+        let sigma_time_s = elapsed_s * S::ratio(UNSURE_TIME.0, UNSURE_TIME.1);
         let later = FrameTransition::within(motion, sigma_time_s, line3.gravity).line(&line3)?;
         // Gravity is told anew for each frame: the tilt does not change with the time.
         let change = [later.bearing - line3.bearing, later.inverse_depth - line3.inverse_depth, S::ZERO];

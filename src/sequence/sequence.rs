@@ -155,8 +155,10 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     ) -> Result<(), ParameterError> {
         let sigma_time_s = setup.uncertainty().sigma_time_s;
         let transition = FrameTransition { pose: *pose, elapsed_s, sigma_time_s, gravity: checked_direction(gravity)? };
+        // After a torn frame the time since the one before has two parts.
+        let since_frame_s = if self.has_frame { S::ZERO } else { self.interval_s };
         self.has_frame = false;
-        self.interval_s = elapsed_s;
+        self.interval_s = since_frame_s + elapsed_s;
         self.landmarks.propagate(setup, &transition);
         Ok(())
     }
@@ -338,7 +340,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let Some(extent) = Extent::between(&state.line3, &observation.rows) else { return range };
         let is_tentative = !is_informative(range.status)
             || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
-        let landmark = Landmark::new(id, line.first().polarity, is_tentative, state, extent);
+        let landmark = Landmark::new(id, observation, is_tentative, state, extent);
         if self.landmarks.insert(landmark).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;

@@ -5,6 +5,14 @@
 /// Largest distance at which a line is still the edge, in sigmas: chance leaves out one of 3000.
 pub(super) const GATE_SIGMAS: i32 = 4;
 
+/// One sigma of how much the contrast of an edge changes from frame to frame, in hundredths of itself: 0.07 for two thirds of real
+/// edges and 0.26 for all but one of 20, while those of different edges differ by a factor of three
+/// (`cargo test contrast_tells_edges_apart`).
+pub(super) const CONTRAST_PERCENT: i32 = 15;
+
+/// A contrast counts for no more sigmas than this: backgrounds and lights change.
+pub(super) const MOST_CONTRAST_SIGMAS: i32 = 3;
+
 /// So far off may a line of the edge be for each sigma of the gate, in quarters of a pixel: edges bend, backgrounds and neighbours
 /// draw their columns aside, and what moves should still be recognised.
 pub(super) const OFF_QUARTERS_PX: i32 = 3;

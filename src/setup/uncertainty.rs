@@ -28,8 +28,9 @@ pub struct Uncertainty<S> {
     /// shows beyond it is added by itself; this is the floor. 0.03 px unless you know better; zero means that edges are
     /// straight.
     pub edge_roughness_px: S,
-    /// The time between two frames of a sequence, in seconds. Zero: none is ever lost, late or early. Otherwise the second frame
-    /// that shows an edge tells its depth to a third at best by parallax, unless other edges show that the time was right.
+    /// The time between two frames of a sequence, in seconds. 0.1 ms unless you know better. Zero: none is ever lost, late or
+    /// early. Otherwise the second frame that shows an edge tells its depth to a third at best by parallax, unless other edges
+    /// show that the time was right.
     pub sigma_time_s: S,
 }
 
@@ -131,7 +132,7 @@ impl<S: Scalar> Uncertainty<S> {
 
 impl<S: Scalar> Default for Uncertainty<S> {
     /// What a careful amateur knows: edges upright to 0.1° and straight to 0.03 px, speed to 2 %, readout and focal length to
-    /// 1 %; gravity and rotation exactly.
+    /// 1 %, the time between frames to 0.1 ms if none is lost; gravity and rotation exactly.
     fn default() -> Self {
         Self {
             sigma_tilt: S::ratio(1_745, 1_000_000),
@@ -139,6 +140,7 @@ impl<S: Scalar> Default for Uncertainty<S> {
             sigma_readout: S::ratio(1, 100),
             sigma_focal: S::ratio(1, 100),
             edge_roughness_px: S::ratio(3, 100),
+            sigma_time_s: S::ratio(1, 10_000),
             ..Self::NONE
         }
     }
