@@ -25,6 +25,7 @@ mod hand_over;
 mod harness;
 mod imu;
 mod journey;
+mod jumps;
 mod knots;
 mod least_squares;
 mod measure;

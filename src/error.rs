@@ -88,6 +88,12 @@ pub enum RowError {
         /// The row that came.
         row: u16,
     },
+    /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light is
+    /// pulsed. The frame is torn.
+    Jump {
+        /// The first row after the jump.
+        row: u16,
+    },
     /// The frame was torn before; rows are taken again from the next frame on.
     Torn,
 }
@@ -107,12 +113,20 @@ impl Display for RowError {
                     "row {row} came as pixels in a frame of edge points: a frame is made of one or the other"
                 )
             }
+            Self::Jump { row } => write_jump(formatter, row),
             Self::Torn => write!(formatter, "the frame is torn; rows are taken again after its end"),
         }
     }
 }
 
 impl Error for RowError {}
+
+fn write_jump(formatter: &mut Formatter<'_>, row: u16) -> fmt::Result {
+    write!(
+        formatter,
+        "all edges jump at row {row} (rows are missing, the frame is mixed with another one, or the light is pulsed): torn frame"
+    )
+}
 
 /// Why an edge point was not taken. The point is left out and nothing else changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,6 +185,12 @@ pub enum EdgeError {
     },
     /// The frame is one of rows of pixels, in which the edge points are found.
     FrameOfPixels,
+    /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light is
+    /// pulsed. The frame is torn.
+    Jump {
+        /// The first row after the jump.
+        row: u16,
+    },
     /// The frame is torn; points are taken again from the next frame on.
     Torn,
 }
@@ -207,6 +227,7 @@ impl Display for EdgeError {
             Self::FrameOfPixels => {
                 write!(formatter, "edge points came in a frame of pixels: a frame is made of one or the other")
             }
+            Self::Jump { row } => write_jump(formatter, row),
             Self::Torn => write!(formatter, "the frame is torn; edge points are taken again after its end"),
         }
     }

@@ -99,8 +99,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// Takes one edge point. Rows come in the order of readout, each row's points in any order; the row is complete when
     /// a point of another one comes.
     ///
-    /// *Errors*: see [`EdgeError`]; a refused point changes nothing. A point for which the row's buffer has no room is
-    /// no error: it is counted.
+    /// *Errors*: see [`EdgeError`]; a refused point changes nothing, but for [`EdgeError::Jump`], which tears the frame. A point
+    /// for which the row's buffer has no room is no error: it is counted.
     ///
     /// *Cost*: a binary search in the row's points, and a move of those on the right of it.
     pub fn edge_point<S: Scalar>(&mut self, setup: &Setup<S>, point: EdgePoint) -> Result<(), EdgeError> {
@@ -111,7 +111,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let was_irregular = clock.is_irregular;
         let time_ns = clock.time_ns(setup, point.row, point.time_ns)?;
         if last.is_some_and(|last| last.row != point.row) {
-            self.complete_row(setup);
+            self.complete_row(setup)?;
         }
         if clock.is_irregular && !was_irregular {
             self.tracker.retime(setup.readout());
@@ -131,8 +131,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// of readout, each once.
     ///
     /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are given
-    /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. A row
-    /// in a frame of edge points is refused and changes nothing.
+    /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. So do
+    /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge points is refused and changes nothing.
     ///
     /// *Cost*: some seven to eleven instructions a pixel and six to twelve thousand for each edge; docs/budget.md has them by board, and
     /// what texture and fences cost.
@@ -163,10 +163,14 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         tracker.refine(setup.limits(), at, pixels, points);
         tracker.count_points(points.len() as u32);
         refine_alone(points, pixels, self.scanner.noise_q8());
-        tracker.row(setup.limits(), row, points);
+        let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
+        points.clear();
+        if let Some(row) = jump {
+            self.tear();
+            return Err(RowError::Jump { row });
+        }
         tracker.learn(row, pixels, self.scanner.noise_q8());
         tracker.look_around(row, pixels);
-        points.clear();
         Ok(())
     }
 
@@ -203,20 +207,20 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             Some(last) if last.row == row && !last.complete => last.time_ns,
             _ => {
                 check_row_order(setup, last, row)?;
-                self.complete_row(setup);
+                self.complete_row(setup)?;
                 last.map_or(i64::MIN, |last| last.time_ns)
             }
         };
         let expected_ns = setup.readout().row_time_ns(row);
         let clock = last.map_or_else(|| RowClock::new(setup, row, expected_ns), |last| last.clock);
         self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false, clock });
-        self.complete_row(setup);
-        Ok(())
+        self.complete_row(setup)
     }
 
     /// Ends the frame: every line under way is complete. What comes next begins a new frame.
     pub fn end_frame<S: Scalar>(&mut self, setup: &Setup<S>) {
-        self.complete_row(setup);
+        // A frame that is found torn by its last row has no lines left.
+        let _ = self.complete_row(setup);
         self.tracker.end_frame();
         self.frame = Frame::Started;
     }
@@ -273,12 +277,17 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         }
     }
 
-    fn complete_row<S: Scalar>(&mut self, setup: &Setup<S>) {
+    fn complete_row<S: Scalar>(&mut self, setup: &Setup<S>) -> Result<(), EdgeError> {
         if let Frame::OfPoints(last @ LastRow { complete: false, .. }) = &mut self.frame {
             last.complete = true;
-            self.tracker.row(setup.limits(), last.row, &self.row);
+            let jump = self.tracker.row(setup.limits(), setup.camera().intrinsics().columns, last.row, &self.row);
             self.row.clear();
+            if let Some(row) = jump {
+                self.tear();
+                return Err(EdgeError::Jump { row });
+            }
         }
+        Ok(())
     }
 
     fn check_order<S: Scalar>(

@@ -7,6 +7,7 @@ mod prominence;
 mod line;
 mod association;
 mod track;
+mod jump;
 mod counters;
 mod tracker;
 

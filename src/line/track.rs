@@ -18,9 +18,9 @@ pub(crate) struct Track<const KNOTS: usize> {
     pub(crate) line: Line<KNOTS>,
     pub(crate) state: State,
     /// Filtered column at the last edge's row, in 1/65536 px.
-    column_q16: i64,
+    pub(super) column_q16: i64,
     /// Filtered slope in 1/65536 px per row of readout.
-    slope_q16: i32,
+    pub(super) slope_q16: i32,
     /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
     /// Mean distance of the last edges from where they were expected, in 1/65536 px.

@@ -4,8 +4,10 @@ use heapless::Vec;
 
 use super::association::{Association, Outcome, Pair, Prediction};
 use super::counters::Counters;
+use super::jump::Jump;
 use super::line::Line;
 use super::track::{RowTime, State, Track};
+use super::tuning::YOUNG_POINTS;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -109,7 +111,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at may
     /// be left out; rows without points should be given, since lines end by missing rows.
-    pub(crate) fn row(&mut self, limits: &Limits, row: u16, points: &[EdgePoint]) {
+    ///
+    /// Returns a row at which all lines jump, if that is seen now.
+    #[must_use]
+    pub(crate) fn row(&mut self, limits: &Limits, columns: u16, row: u16, points: &[EdgePoint]) -> Option<u16> {
         self.occupied = 0;
         if !points.is_empty() {
             let mut predictions = Vec::new();
@@ -124,7 +129,24 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             }
         }
         self.count_missed(limits, row);
+        let jump = self.jump(columns, row);
         self.stitch_all(limits, row);
+        jump
+    }
+
+    /// The row at which all lines jump, where one of those that began there is old enough on `row` to tell.
+    fn jump(&self, columns: u16, row: u16) -> Option<u16> {
+        let is_asked = |track: &&Track<KNOTS>| {
+            track.state == State::Confirmed && track.line.points() == YOUNG_POINTS && track.line.last().row == row
+        };
+        let begun_in = self.tracks_under_way().find(is_asked)?.line.first().row;
+        let mut jump = Jump::new(columns);
+        self.tracks_under_way().for_each(|track| jump.add(track, row, row.abs_diff(begun_in)));
+        jump.is_common().then_some(begun_in)
+    }
+
+    fn tracks_under_way(&self) -> impl Iterator<Item = &Track<KNOTS>> {
+        self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track())
     }
 
     /// Locates the confirmed lines in a row of pixels where they are predicted, and removes the scanned points that this
@@ -272,8 +294,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Whether the table has room for a continuation of each hidden line, which starts as a line of its own and is then
     /// stitched. Without room, hidden lines take part in the association themselves.
     fn has_room_to_stitch(&self) -> bool {
-        let tracks = self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track());
-        let hidden = tracks.filter(|track| track.state == State::Hidden).count();
+        let hidden = self.tracks_under_way().filter(|track| track.state == State::Hidden).count();
         self.under_way.len() + self.ended.len() + hidden <= LINES
     }
 

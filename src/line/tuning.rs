@@ -57,3 +57,30 @@ pub(super) const LIKE_ROWS: u32 = 2;
 
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: i64 = 48 << 16;
+
+/// A line that jumps ends, and begins again, within so many rows: each is found or lost a row or two late (`jumps::missing_rows_are_noticed`).
+pub(super) const JUMP_ROWS: u16 = 3;
+
+/// Points of a line that begins after a jump when it is asked for, and least of one before: by then all have begun (`jumps::mixed_frames_are_noticed`).
+pub(super) const YOUNG_POINTS: u16 = 8;
+
+/// A displacement of less than a pixel is no jump, in 1/65536 px: lines follow it (`jumps::whole_frames_do_not_jump`).
+pub(super) const LEAST_JUMP_Q16: i64 = 1 << 16;
+
+/// Two displacements within this are the same, in 1/65536 px: the columns of a line that ends and of one that begins are each
+/// known to about half a pixel (`jumps::lost_bytes_are_noticed`).
+pub(super) const SAME_JUMP_Q16: u64 = 3 << 15;
+
+/// Rows by which frames that are mixed may differ: several frames' (`jumps::mixed_frames_are_noticed`).
+pub(super) const MOST_JUMP_ROWS: i64 = 1 << 15;
+
+/// Lines that are looked at for a jump: with more, the work of a row would grow with the cube of their number (`jumps::lost_bytes_are_noticed`).
+pub(super) const MOST_JUMPING: usize = 8;
+
+/// Farther than this an edge does not move between two pulses of light, in 1/65536 px: 10 ms at 3 m/s past a post 1 m away
+/// (`jumps::pulsed_light_is_noticed`).
+pub(super) const MOST_PULSE_Q16: i64 = 16 << 16;
+
+/// Fewer lines than this that go on to one side, by any distance, are no pulse: chance makes them
+/// (`jumps::whole_frames_do_not_jump`).
+pub(super) const LEAST_PULSED: usize = 4;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result, ensure};
 use image::{DynamicImage, GrayImage};
 use shutter_range::format::Pixels;
-use shutter_range::{Counters, Line, Motion, Ranger, Setup};
+use shutter_range::{Counters, Line, Motion, Ranger, RowError, Setup};
 
 use crate::arguments::FrameArgs;
 use crate::input::file_identity::FileIdentity;
@@ -133,14 +133,16 @@ impl Edges {
         let pixels = image.to_luma8();
         let picture = keeps_picture.then_some(image);
         if is_torn {
-            let lines = FoundLines { lines: Vec::new(), torn: true, counters: Counters::default() };
+            let lines = FoundLines::torn(Counters::default());
             return Ok(Self { lines, hints: vec![TORN.to_string()], picture });
         }
         let lines = match (format.raw, &dump) {
             (Some(raw), Some(dump)) => lines(setup, |row| Some(raw.format.row(raw.row(dump, row)?, row)))?,
             _ => lines_of_grey(&pixels, setup)?,
         };
-        Ok(Self { lines, hints: hints::of_pixels(&pixels, unused_bits), picture })
+        let mut hints = hints::of_pixels(&pixels, unused_bits);
+        hints.extend(lines.jump.map(|jump| jump.to_string()));
+        Ok(Self { lines, hints, picture })
     }
 }
 
@@ -233,7 +235,15 @@ impl Ranging<'_> {
 pub(crate) struct FoundLines {
     pub(crate) lines: Vec<Line<KNOTS>>,
     torn: bool,
+    /// What has torn it.
+    jump: Option<RowError>,
     counters: Counters,
+}
+
+impl FoundLines {
+    fn torn(counters: Counters) -> Self {
+        Self { lines: Vec::new(), torn: true, jump: None, counters }
+    }
 }
 
 pub(crate) fn lines_of_grey(pixels: &GrayImage, setup: &Setup<f64>) -> Result<FoundLines> {
@@ -248,11 +258,15 @@ fn lines<P: Pixels>(setup: &Setup<f64>, pixels_of: impl Fn(u16) -> Option<P>) ->
     let mut lines = Vec::new();
     for rows_before in 0..setup.readout().rows() {
         let row = setup.readout().row_after(rows_before);
-        ranger.row(setup, row, pixels_of(row).context("the picture is too small")?)?;
+        match ranger.row(setup, row, pixels_of(row).context("the picture is too small")?) {
+            Err(jump @ RowError::Jump { .. }) => {
+                return Ok(FoundLines { jump: Some(jump), ..FoundLines::torn(*ranger.counters()) });
+            }
+            taken => taken?,
+        }
         lines.extend(std::iter::from_fn(|| ranger.next_line()));
     }
-    let torn = ranger.is_torn();
     ranger.end_frame(setup);
     lines.extend(std::iter::from_fn(|| ranger.next_line()));
-    Ok(FoundLines { lines, torn, counters: *ranger.counters() })
+    Ok(FoundLines { lines, torn: false, jump: None, counters: *ranger.counters() })
 }

@@ -1,0 +1,129 @@
+//! Whether the lines of a frame all jump at one row: then the frame is torn, or its light is pulsed.
+
+use heapless::Vec;
+
+use super::track::{State, Track};
+use super::tuning::{
+    JUMP_ROWS, LEAST_JUMP_Q16, LEAST_PULSED, MOST_JUMP_ROWS, MOST_JUMPING, MOST_PULSE_Q16, SAME_JUMP_Q16, YOUNG_POINTS,
+};
+use crate::edge::Polarity;
+
+/// The lines on either side of a row.
+///
+/// Where rows are missing, frames are mixed, bytes are lost or the light is pulsed, the edges are all displaced at one row:
+/// each line that comes to it breaks off, and goes on elsewhere. Edges of the world that end and begin at one row, as windows
+/// do, do not all go on by the same displacement.
+pub(super) struct Jump {
+    /// Of the image, in 1/65536 px.
+    columns_q16: i64,
+    broken: Vec<Broken, MOST_JUMPING>,
+    begun: Vec<Begun, MOST_JUMPING>,
+    /// Slopes of the lines that go on, in 1/65536 px per row.
+    whole: Vec<i32, MOST_JUMPING>,
+    /// More lines than these.
+    others: u16,
+}
+
+/// A line that breaks off: where it should have gone on.
+struct Broken {
+    column_q16: i64,
+    slope_q16: i32,
+    polarity: Polarity,
+}
+
+/// A line that begins.
+struct Begun {
+    column_q16: i64,
+    polarity: Polarity,
+}
+
+/// What may displace the lines.
+#[derive(Clone, Copy)]
+enum Displacement {
+    /// Bytes of a row were lost: each by as much, in 1/65536 px, and what leaves a row goes on in the next one.
+    Columns(i64),
+    /// Rows are missing, or are of another frame: each as far as it moves in so many rows.
+    Rows(i64),
+    /// Pulses of light show the edges at rest, now here and now there, the nearer ones farther: some pixels to the right, or to
+    /// the left.
+    Right,
+    Left,
+}
+
+impl Jump {
+    pub(super) const fn new(columns: u16) -> Self {
+        Self {
+            columns_q16: (columns as i64) << 16,
+            broken: Vec::new(),
+            begun: Vec::new(),
+            whole: Vec::new(),
+            others: 0,
+        }
+    }
+
+    /// Sorts in a line under way, as seen from `row`, by what it does `age` rows before.
+    pub(super) fn add<const KNOTS: usize>(&mut self, track: &Track<KNOTS>, row: u16, age: u16) {
+        let (first, last) = (track.line.first(), track.line.last());
+        let (since_first, since_last) = (row.abs_diff(first.row), row.abs_diff(last.row));
+        let is_old = track.state != State::Tentative && since_first >= age + YOUNG_POINTS;
+        let polarity = first.polarity;
+        let room = if is_old && since_last >= age.saturating_sub(JUMP_ROWS) && since_last <= age + JUMP_ROWS {
+            let rows = i64::from(since_last) - i64::from(age);
+            let column_q16 = track.column_q16 + rows * i64::from(track.slope_q16);
+            self.broken.push(Broken { column_q16, slope_q16: track.slope_q16, polarity }).is_ok()
+        } else if is_old && since_last < age {
+            self.whole.push(track.slope_q16).is_ok()
+        } else if since_first.abs_diff(age) <= JUMP_ROWS && track.line.points() >= YOUNG_POINTS / 2 {
+            self.begun.push(Begun { column_q16: i64::from(first.column_q16), polarity }).is_ok()
+        } else {
+            true
+        };
+        self.others += u16::from(!room);
+    }
+
+    /// Whether all lines go on elsewhere by one and the same displacement, or all but one in four.
+    pub(super) fn is_common(&self) -> bool {
+        let lines = self.broken.iter();
+        let stay = lines.clone().filter(|line| self.goes_on(line, Displacement::Rows(0))).count();
+        let is_pulse = |direction| self.is_displaced(direction, stay.max(LEAST_PULSED - 1));
+        let is_shift = |line: &Broken| {
+            let begun = self.begun.iter().filter(|begun| begun.polarity == line.polarity);
+            begun.map(|begun| begun.column_q16 - line.column_q16).any(|jump_q16| {
+                let rows = jump_q16.checked_div(i64::from(line.slope_q16)).filter(|rows| rows.abs() <= MOST_JUMP_ROWS);
+                self.is_displaced(Displacement::Columns(jump_q16), stay.max(1))
+                    || rows.is_some_and(|rows| self.is_displaced(Displacement::Rows(rows), stay.max(1)))
+            })
+        };
+        is_pulse(Displacement::Right) || is_pulse(Displacement::Left) || lines.clone().any(is_shift)
+    }
+
+    /// Whether more than so many lines are displaced by a pixel or more, and hardly any that should be is not.
+    fn is_displaced(&self, displacement: Displacement, few: usize) -> bool {
+        let moves = |slope_q16: i32| match displacement {
+            Displacement::Rows(rows) => (rows * i64::from(slope_q16)).abs() >= LEAST_JUMP_Q16,
+            Displacement::Columns(columns_q16) => columns_q16.abs() >= LEAST_JUMP_Q16,
+            Displacement::Right | Displacement::Left => true,
+        };
+        let moving = self.broken.iter().filter(|line| moves(line.slope_q16));
+        let moved = moving.filter(|line| self.goes_on(line, displacement)).count();
+        let whole = self.whole.iter().filter(|slope_q16| moves(**slope_q16)).count();
+        let all = self.broken.len() + whole + usize::from(self.others);
+        moved > few && 4 * moved >= 3 * all
+    }
+
+    /// Whether a line begins where this one is displaced to.
+    fn goes_on(&self, line: &Broken, displacement: Displacement) -> bool {
+        self.begun.iter().filter(|begun| begun.polarity == line.polarity).any(|begun| {
+            let jump_q16 = begun.column_q16 - line.column_q16;
+            match displacement {
+                Displacement::Columns(columns_q16) => {
+                    let apart_q16 = jump_q16.abs_diff(columns_q16);
+                    apart_q16.min(self.columns_q16.unsigned_abs().abs_diff(apart_q16)) <= SAME_JUMP_Q16
+                }
+                Displacement::Rows(rows) => jump_q16.abs_diff(rows * i64::from(line.slope_q16)) <= SAME_JUMP_Q16,
+                Displacement::Right => (LEAST_JUMP_Q16..=MOST_PULSE_Q16).contains(&jump_q16),
+                Displacement::Left => (LEAST_JUMP_Q16..=MOST_PULSE_Q16).contains(&-jump_q16),
+            }
+        })
+    }
+}
