@@ -8,9 +8,11 @@ mod line;
 mod association;
 mod track;
 mod counters;
+mod explained;
 mod tracker;
 
 pub use counters::Counters;
+pub(crate) use explained::Explained;
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};
 pub(crate) use row_clock::RowClock;

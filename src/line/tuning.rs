@@ -57,3 +57,7 @@ pub(super) const LIKE_ROWS: u32 = 2;
 
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: i64 = 48 << 16;
+
+/// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look costs as
+/// much as locating its line (`cargo xtask budget --use "two bars"`).
+pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
