@@ -247,6 +247,18 @@ fn edges_eight_pixels_from_the_border_are_exact() {
     }
 }
 
+/// A faint edge that moves no block's sum enough is found where the look at its neighbour comes upon it, on either side.
+#[test]
+fn an_edge_at_the_end_of_a_look_is_whole() {
+    for first in 160..176 {
+        let bar = steps(320, &[(0, 115), (first, 123), (first + 12, 115)]);
+        for row in [bar.clone(), bar.into_iter().rev().collect()] {
+            let points = scan(&mut Scanner::new(), &row);
+            assert_eq!(points.len(), 2, "columns {first} to {}: {points:?}", first + 12);
+        }
+    }
+}
+
 #[test]
 fn short_rows_have_no_edge_outside_them() {
     for length in 0..70 {

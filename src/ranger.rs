@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Line, RowClock, RowTime, Tracker};
+use crate::line::{Counters, Explained, Line, RowClock, RowTime, Tracker};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -153,24 +153,26 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
-        self.scanner.scan(pixels, |point| {
+        let pixel_row = PixelRow { pixels, response: setup.response() };
+        let mut explained = Explained::new();
+        tracker.locate(setup.limits(), at, pixel_row, &mut explained);
+        self.scanner.scan_beside(pixels, &explained.columns(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
             }
         });
-        let pixels = PixelRow { pixels, response: setup.response() };
-        tracker.refine(setup.limits(), at, pixels, points);
+        tracker.remove_explained(&mut explained, points);
         tracker.count_points(points.len() as u32);
-        refine_alone(points, pixels, self.scanner.noise_q8());
+        refine_alone(points, pixel_row, self.scanner.noise_q8());
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
         if let Some(row) = jump {
             self.tear();
             return Err(RowError::Jump { row });
         }
-        tracker.learn(row, pixels, self.scanner.noise_q8());
-        tracker.look_around(row, pixels);
+        tracker.learn(row, pixel_row, self.scanner.noise_q8());
+        tracker.look_around(row, pixel_row);
         Ok(())
     }
 

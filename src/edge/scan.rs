@@ -5,6 +5,8 @@
 //! difference of two windows of four pixels over the row: each run of one sign above the noise is a point of an edge, and
 //! the centroid of the run is its column.
 
+use core::ops::Range;
+
 use super::noise::{Across, Down, WINDOW};
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
@@ -107,18 +109,30 @@ impl Scanner {
     }
 
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to right.
-    pub fn scan(&mut self, pixels: impl Pixels, mut found: impl FnMut(ScannedPoint)) {
+    pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
+        self.scan_beside(pixels, &[], found);
+    }
+
+    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look. Where
+    /// something else is near, edges in such a stretch can still be handed over.
+    pub(crate) fn scan_beside(
+        &mut self,
+        pixels: impl Pixels,
+        explained: &[Range<u16>],
+        mut found: impl FnMut(ScannedPoint),
+    ) {
         self.across.learn(&pixels);
         self.down.learn(&pixels);
         let (noise_q8, least) = (self.noise_q8(), self.least_difference());
-        let mut look = |from, to| fine(&pixels, from, to, least as i32, noise_q8, &mut found);
+        let mut seen = 0;
+        let mut look = |from, to| seen = fine(&pixels, (from, to), seen, (least as i32, noise_q8), &mut found);
         if is_upright(self.across.difference_q8(), self.down.difference_q8()) {
             // The sums of a fence whose period goes into a block do not differ.
             look(0, pixels.columns());
         } else {
             // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding
             // difference.
-            coarse(&pixels, 2 * least, look);
+            coarse(&pixels, 2 * least, explained, look);
         }
     }
 
@@ -152,7 +166,7 @@ fn sum(pixels: &[u8]) -> i32 {
 }
 
 /// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
-fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize)) {
+fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
     let limit = u16::try_from(limit).unwrap_or(u16::MAX);
     let mut open: Option<(usize, usize)> = None;
     let mut last: Option<u16> = None;
@@ -175,6 +189,7 @@ fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize
             for (index, step) in steps().enumerate() {
                 differing |= u32::from(step > limit) << index;
             }
+            differing &= !explained_boundaries(explained, at);
         }
         while differing != 0 {
             let block = at + differing.trailing_zeros() as usize;
@@ -197,6 +212,16 @@ fn coarse(pixels: &impl Pixels, limit: u32, mut stretch: impl FnMut(usize, usize
     if let Some((start, end)) = open {
         stretch(start * BLOCK, end * BLOCK);
     }
+}
+
+/// The boundaries of a group's blocks, each with the block before, whose differences lie in explained columns.
+fn explained_boundaries(explained: &[Range<u16>], group: usize) -> u32 {
+    let below = |block: usize| (1_u64 << block.saturating_sub(group).min(GROUP)) - 1;
+    let of = |columns: &Range<u16>| {
+        let (from, to) = (usize::from(columns.start) / BLOCK, usize::from(columns.end) / BLOCK + 2);
+        below(to) & !below(from)
+    };
+    explained.iter().fold(0, |boundaries, columns| boundaries | of(columns)) as u32
 }
 
 /// Joins blocks to the stretch before them if they touch, or hands that one over and opens another.
@@ -271,17 +296,31 @@ impl Run {
     }
 }
 
-/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise.
-fn fine(pixels: &impl Pixels, from: usize, to: usize, least: i32, noise_q8: u32, found: &mut impl FnMut(ScannedPoint)) {
-    let from = from.saturating_sub(2 * WINDOW);
-    let to = (to + 2 * WINDOW).min(pixels.columns());
-    if to <= from + 2 * WINDOW {
-        return;
+/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise. A run
+/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier look.
+/// Returns the last one of this look.
+fn fine(
+    pixels: &impl Pixels,
+    (from, to): (usize, usize),
+    seen: usize,
+    (least, noise_q8): (i32, u32),
+    found: &mut impl FnMut(ScannedPoint),
+) -> usize {
+    // Position k compares the pixels before k with those from there on, four of each.
+    let (Some(last), earliest) = (pixels.columns().checked_sub(WINDOW), seen.max(WINDOW)) else { return seen };
+    let (end, end_of_row) = ((to + WINDOW).min(last) + 1, last + 1);
+    let start = from.saturating_sub(WINDOW).max(earliest);
+    if start >= end {
+        return seen;
     }
+    let first = before_run(pixels, start, earliest, least);
+    // What begins a row may have begun before it, and its centroid would be off.
+    let is_whole = |run: &Run| run.start > first;
     let mut run: Option<Run> = None;
+    let mut followed = end;
     let mut close = |run: Run| {
-        // A run that begins with the scanned stretch may have begun before it, and its centroid would be off.
-        if let Some(edge) = run.edge(noise_q8).filter(|_| run.start > from + WINDOW) {
+        followed = followed.max(run.start + run.length as usize);
+        if let Some(edge) = run.edge(noise_q8).filter(|_| is_whole(&run)) {
             found(edge);
         }
     };
@@ -294,26 +333,41 @@ fn fine(pixels: &impl Pixels, from: usize, to: usize, least: i32, noise_q8: u32,
                 if let Some(ended) = run.take() {
                     close(ended);
                 }
-                *run = (sign != 0).then(|| Run::begin(sign, position, size));
+                *run = (sign != 0 && position < end).then(|| Run::begin(sign, position, size));
             }
         }
     };
-    // Position k of the stretch compares the pixels before k + 4 with those from there on.
-    let positions = to - from - 2 * WINDOW + 1;
     let mut buffer = [0; BLOCK + 2 * WINDOW];
-    let mut next = 0;
-    while next < positions {
-        let at = from + next;
+    let mut next = first;
+    while next < end || next < end_of_row && run.as_ref().is_some_and(is_whole) {
+        let count = BLOCK.min(if next < end { end } else { end_of_row } - next);
+        let at = next - WINDOW;
         let rest = grey(pixels, at..at + BLOCK + 2 * WINDOW, &mut buffer);
         let quiet = run.is_none() && rest.first_chunk().is_some_and(|pixels| is_quiet(pixels, least));
         if !quiet {
-            slide(rest, BLOCK.min(positions - next), |index, difference| {
-                take(difference, from + WINDOW + next + index, &mut run);
-            });
+            slide(rest, count, |index, difference| take(difference, next + index, &mut run));
         }
-        next += BLOCK;
+        next += count;
     }
-    // Likewise one that has not ended by the end.
+    // A run that has not ended by the end of the row reaches beyond it.
+    followed - 1
+}
+
+/// The position before the run that `position` is in, or `position` itself; not before `earliest`.
+fn before_run(pixels: &impl Pixels, position: usize, earliest: usize, least: i32) -> usize {
+    let sign_at = |position: usize| {
+        let mut buffer = [0; 2 * WINDOW];
+        let around = grey(pixels, position - WINDOW..position + WINDOW, &mut buffer);
+        let (left, right) = around.split_at(WINDOW.min(around.len()));
+        let difference = sum(right) - sum(left);
+        if difference.abs() > least { difference.signum() } else { 0 }
+    };
+    let sign = sign_at(position);
+    let mut before = position;
+    while sign != 0 && before > earliest && sign_at(before) == sign {
+        before -= 1;
+    }
+    before
 }
 
 /// Hands over the first `count` sliding differences.

@@ -9,9 +9,11 @@ mod association;
 mod track;
 mod jump;
 mod counters;
+mod explained;
 mod tracker;
 
 pub use counters::Counters;
+pub(crate) use explained::Explained;
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};
 pub(crate) use row_clock::RowClock;

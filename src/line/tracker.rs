@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::association::{Association, Outcome, Pair, Prediction};
 use super::counters::Counters;
+use super::explained::Explained;
 use super::jump::Jump;
 use super::line::Line;
 use super::track::{RowTime, State, Track};
@@ -68,18 +69,6 @@ impl<const KNOTS: usize> Slot<KNOTS> {
         }
     }
 }
-
-/// Where the refinement has found a line: scanned points of its polarity near there are its own.
-struct Explained {
-    column_q16: i64,
-    reach_q16: i64,
-    polarity: Polarity,
-    /// The scanner has found this very point, too.
-    is_seen: bool,
-}
-
-/// Upper bound of [`Explained::reach_q16`].
-const MAX_REACH_Q16: i64 = 34 << 16;
 
 /// A line under way, as predicted for a row.
 struct Candidate {
@@ -149,60 +138,54 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track())
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and removes the scanned points that this
-    /// explains. To be called before [`Tracker::row`] takes the others.
-    pub(crate) fn refine<P: Pixels, const POINTS: usize>(
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain. To be called before
+    /// the row is scanned.
+    pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
         at: RowTime,
         pixels: PixelRow<'_, P>,
-        points: &mut Vec<EdgePoint, POINTS>,
+        explained: &mut Explained<LINES>,
     ) {
-        let mut explained: Vec<Explained, LINES> = Vec::new();
+        let mut located: Vec<EdgePoint, LINES> = Vec::new();
+        let mut all: Vec<Candidate, LINES> = Vec::new();
+        self.predict(limits, at.row, &mut all);
         // Tentative lines are noise as often as not: they must not narrow the window of a confirmed one.
-        let mut candidates: Vec<Candidate, LINES> = Vec::new();
-        self.predict(limits, at.row, &mut candidates);
-        candidates.retain(|candidate| candidate.is_confirmed);
-        for (index, candidate) in candidates.iter().enumerate() {
+        let candidates = || all.iter().filter(|candidate| candidate.is_confirmed);
+        for (index, candidate) in candidates().enumerate() {
             let slot = self.tracks.get_mut(candidate.slot).filter(|_| !candidate.prediction.coasting);
             let Some(track) = slot.and_then(Slot::track_mut) else { continue };
             let ends = |other: &&Candidate| candidate.is_ended_by(other);
             let column = |other: Option<&Candidate>| other.map(|other| other.prediction.column_q16);
             let around = Neighbours {
-                left_q16: column(candidates.iter().take(index).rfind(ends)).unwrap_or(Neighbours::NONE.left_q16),
-                right_q16: column(candidates.iter().skip(index + 1).find(ends)).unwrap_or(Neighbours::NONE.right_q16),
+                left_q16: column(candidates().take(index).filter(ends).last()).unwrap_or(Neighbours::NONE.left_q16),
+                right_q16: column(candidates().skip(index + 1).find(ends)).unwrap_or(Neighbours::NONE.right_q16),
             };
-            if let Some(point) = track.locate(&candidate.prediction, at, pixels, around) {
-                let reach_q16 = (5 << 16) / 2 + i64::from(point.width_q8) * 640;
-                if track.take(point, limits) {
-                    let (column_q16, polarity) = (i64::from(point.column_q16), point.polarity);
-                    // There is room: one per line at most.
-                    let at = explained.partition_point(|other| other.column_q16 <= column_q16);
-                    let _ = explained.insert(at, Explained { column_q16, reach_q16, polarity, is_seen: false });
-                }
+            if let Some(point) = track.locate(&candidate.prediction, at, pixels, around)
+                && track.take(point, limits)
+            {
+                // There is room: one per line at most.
+                let _ = located.push(point);
             }
         }
-        self.count_points(explained.len() as u32);
-        let mut nearby = 0;
-        let mut duplicates = 0;
-        points.retain(|point| {
-            let column = i64::from(point.column_q16);
-            nearby += explained.iter().skip(nearby).take_while(|e| e.column_q16 + MAX_REACH_Q16 < column).count();
-            let explains =
-                |e: &&mut Explained| e.polarity == point.polarity && (e.column_q16 - column).abs() <= e.reach_q16;
-            let within = explained.iter_mut().skip(nearby).take_while(|e| e.column_q16 - MAX_REACH_Q16 <= column);
-            // The first is the line's own point once more; any other is stray.
-            match within.filter(explains).reduce(|a, b| if a.is_seen { b } else { a }) {
-                Some(explanation) => {
-                    duplicates += u32::from(explanation.is_seen);
-                    explanation.is_seen = true;
-                    false
-                }
-                None => true,
-            }
-        });
-        self.count_points(duplicates);
-        self.count_stray(duplicates);
+        // Also hidden lines, which another one may continue.
+        let tracks = || self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track());
+        let others = || tracks().filter(|track| track.line.last().row != at.row);
+        for point in &located {
+            explained.add(point, others().map(|other| other.predict(at.row, limits).column_q16));
+        }
+        self.count_points(located.len() as u32);
+    }
+
+    /// Removes the scanned points that located lines explain. To be called before [`Tracker::row`] takes the others.
+    pub(crate) fn remove_explained<const POINTS: usize>(
+        &mut self,
+        explained: &mut Explained<LINES>,
+        points: &mut Vec<EdgePoint, POINTS>,
+    ) {
+        let strays = explained.remove_from(points);
+        self.count_points(strays);
+        self.count_stray(strays);
     }
 
     /// Gives newly confirmed lines a model of their edge, from the row in which they were last seen.

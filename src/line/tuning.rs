@@ -84,3 +84,7 @@ pub(super) const MOST_PULSE_Q16: i64 = 16 << 16;
 /// Fewer lines than this that go on to one side, by any distance, are no pulse: chance makes them
 /// (`jumps::whole_frames_do_not_jump`).
 pub(super) const LEAST_PULSED: usize = 4;
+
+/// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look costs as
+/// much as locating its line (`cargo xtask budget --use "two bars"`).
+pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
