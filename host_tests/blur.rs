@@ -141,6 +141,38 @@ fn what_lens_and_shape_leave_open_is_in_the_sigma() {
     }
 }
 
+/// What an unknown camera does to widths it does to all edges: they may refuse a slope, but draw no depth aside.
+#[test]
+fn an_unknown_pipeline_draws_no_depth_aside() {
+    let scene = projection::Scene { bearing: 0.0, ..projection::Scene::vga() };
+    let path_px = 600.0 * 1.5 / 2.0 * f64::from(EXPOSURE_S);
+    let width_px = (0.75_f64.powi(2) + (1.0 + path_px * path_px) / 12.0).sqrt();
+    let blur = MotionBlur::from_exposure(f64::from(EXPOSURE_S));
+    let setup = scene.setup_with::<f64>(tilt_of(3.0 * TENTH_DEGREE));
+    let range = |setup: &Setup<f64>, factor: f64| {
+        let width_q8 = (factor * width_px * 256.0).round() as u16;
+        let points: Vec<_> = scene.points().into_iter().map(|point| EdgePoint { width_q8, ..point }).collect();
+        Range::from_line(setup, &scene.motion(), &line_of::<16>(&points))
+    };
+    let with = |blur: MotionBlur<f64>| setup.with_motion_blur(blur).expect("sound blur");
+    let without = range(&setup, 1.0);
+    for factor in [0.6, 0.75, 1.0, 1.4] {
+        for unknown in [with(blur), with(blur).with_response(Response::Srgb), with(blur.with_sigma_blur(0.25))] {
+            let range = range(&unknown, factor);
+            assert_eq!((range.status, range.estimate), (RangeStatus::Ok, without.estimate), "{factor}");
+        }
+        // Trusted a little better than that it has a say, and its factor with it: halfway to what it says at most.
+        let trusted = range(&with(blur.with_sigma_blur(0.2)), factor).estimate;
+        let ratio = trusted.inverse_depth_per_m / without.estimate.inverse_depth_per_m;
+        let drawn = if factor == 1.0 { (ratio - 1.0).abs() < 0.005 } else { (ratio < 0.98) == (factor < 1.0) };
+        assert!(drawn && (0.7..1.4).contains(&ratio), "{factor}: {ratio}");
+        assert!(trusted.sigma_inverse_depth_per_m < without.estimate.sigma_inverse_depth_per_m, "{factor}");
+    }
+    // The sharpness of an edge at rest, in a line that is skewed as by a path of three pixels: four sigma and more.
+    let sharp = range(&with(blur), 0.15);
+    assert_eq!((sharp.status, sharp.estimate), (RangeStatus::Leaning, without.estimate));
+}
+
 /// From the second frame on the depth is known without the blur, so the blur tells the lens.
 #[test]
 fn a_sequence_learns_the_lens() {

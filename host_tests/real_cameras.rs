@@ -257,7 +257,6 @@ fn round_posts() {
 
 /// The far side lies in the dark.
 #[test]
-#[ignore = "not reached: 96.7 of 97 % are found"]
 fn round_posts_lit_from_the_side() {
     judge_round_posts([75.0]);
 }
@@ -357,7 +356,7 @@ fn twenty_lost_rows() {
 
 /// A step of 0.2 to 1 px.
 #[test]
-#[ignore = "not reached: 66 % in two sigma, as so small a step is a wander of the whole edge; none is beyond six"]
+#[ignore = "not reached: 62 % in two sigma, as so small a step is a wander of the whole edge; none is beyond six"]
 fn ten_lost_rows() {
     assert_lost_rows_do_no_harm(10);
 }

@@ -92,7 +92,8 @@ impl<S: Scalar> Range<S> {
         let blur = BlurMeasurement::of_line(setup, motion, line);
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
-        let blur_enters = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
+        let is_in_question = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
+        let blur_enters = is_in_question && setup.widths_are_known();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
         let entering = blur.as_ref().filter(|_| blur_enters);
         let prior = Prior { is_drawn, ..Prior::new(earlier.as_ref(), entering, width_px, left_out) };

@@ -176,7 +176,18 @@ impl<S: Scalar> Setup<S> {
     /// where the pixels are stated to be linear and 0.25 where they are not.
     pub(crate) fn sigma_blur(&self) -> S {
         let stated = self.motion_blur.as_ref().and_then(|blur| blur.sigma_blur);
-        stated.unwrap_or_else(|| if self.response.is_linear() { S::ratio(1, 50) } else { S::ratio(1, 4) })
+        stated.unwrap_or_else(|| if self.response.is_linear() { S::ratio(1, 50) } else { Self::sigma_blur_unknown() })
+    }
+
+    /// Whether widths can be trusted better than those of an unknown camera. If not, a width may refuse a slope, but takes no part
+    /// in the depth: what a camera does to one edge it does to all of them.
+    pub(crate) fn widths_are_known(&self) -> bool {
+        self.sigma_blur() < Self::sigma_blur_unknown()
+    }
+
+    /// Sharpening, tone curves, denoising and codecs change widths by 5 to 50 %.
+    fn sigma_blur_unknown() -> S {
+        S::ratio(1, 4)
     }
 
     /// Limits of the tracker.
