@@ -9,9 +9,11 @@ mod association;
 mod track;
 mod counters;
 mod explained;
+mod demand;
 mod tracker;
 
 pub use counters::Counters;
+pub(crate) use demand::Demand;
 pub(crate) use explained::Explained;
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};
