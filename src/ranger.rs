@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Explained, Line, RowClock, RowTime, Tracker};
+use crate::line::{Counters, Demand, Explained, Line, RowClock, RowTime, Tracker};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -164,7 +164,11 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         });
         tracker.remove_explained(&mut explained, points);
         tracker.count_points(points.len() as u32);
-        refine_alone(points, pixel_row, self.scanner.noise_q8());
+        let mut demand = Demand::new();
+        if !points.is_empty() {
+            tracker.demand(setup.limits(), row, &mut demand);
+        }
+        refine_alone(points, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
         if let Some(row) = jump {
@@ -341,15 +345,23 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: u
     Ok(())
 }
 
-/// Refines the scanned points that no line explains, as well as a single row allows. Two points that share a window of the
+/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that share a window of the
 /// scanner keep their columns, but their widths are not measured.
-fn refine_alone<P: Pixels>(points: &mut [EdgePoint], pixels: PixelRow<'_, P>, noise_q8: u32) {
+fn refine_alone<P: Pixels, const LINES: usize>(
+    points: &mut [EdgePoint],
+    pixels: PixelRow<'_, P>,
+    noise_q8: u32,
+    demand: &Demand<LINES>,
+) {
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {
         let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| i64::from(next.column_q16));
         let (around, column_q16) = (Neighbours { left_q16, right_q16 }, i64::from(point.column_q16));
         left_q16 = column_q16;
+        if !demand.asks_for(point) {
+            continue;
+        }
         match EdgeModel::refine_alone(pixels, point, around, noise_q8) {
             Some(sharper) => *point = sharper,
             None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => point.width_q8 = 0,

@@ -10,9 +10,11 @@ mod track;
 mod jump;
 mod counters;
 mod explained;
+mod demand;
 mod tracker;
 
 pub use counters::Counters;
+pub(crate) use demand::Demand;
 pub(crate) use explained::Explained;
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};

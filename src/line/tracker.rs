@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::association::{Association, Outcome, Pair, Prediction};
 use super::counters::Counters;
+use super::demand::Demand;
 use super::explained::Explained;
 use super::jump::Jump;
 use super::line::Line;
@@ -186,6 +187,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let strays = explained.remove_from(points);
         self.count_points(strays);
         self.count_stray(strays);
+    }
+
+    /// Restricts what is asked for where no place is free: to be called before the points that are left are refined.
+    pub(crate) fn demand(&mut self, limits: &Limits, row: u16, demand: &mut Demand<LINES>) {
+        if self.under_way.len() + self.ended.len() >= LINES {
+            let mut candidates = Vec::new();
+            self.predict(limits, row, &mut candidates);
+            demand.restrict(candidates.iter().map(|candidate| (candidate.prediction, candidate.polarity)));
+        }
     }
 
     /// Gives newly confirmed lines a model of their edge, from the row in which they were last seen.

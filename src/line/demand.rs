@@ -1,0 +1,46 @@
+//! [`Demand`]: which points of a row may become part of a line, so that no other is refined.
+
+use heapless::Vec;
+
+use super::association::Prediction;
+use crate::edge::{EdgePoint, Polarity};
+
+/// The points of a row that a line or a free place may take.
+pub(crate) struct Demand<const LINES: usize> {
+    /// Where lines wait for a point, if there is no free place.
+    lines: Option<Vec<Line, LINES>>,
+}
+
+struct Line {
+    column_q16: i64,
+    reach_q16: i64,
+    polarity: Polarity,
+}
+
+/// More than a point moves when it is refined alone.
+const MOST_REFINED_Q16: i64 = 1 << 16;
+
+impl<const LINES: usize> Demand<LINES> {
+    /// All points.
+    pub(crate) const fn new() -> Self {
+        Self { lines: None }
+    }
+
+    /// Only those that these lines may take.
+    pub(super) fn restrict(&mut self, lines: impl Iterator<Item = (Prediction, Polarity)>) {
+        let line = |(Prediction { column_q16, gate_q16, .. }, polarity)| Line {
+            column_q16,
+            reach_q16: gate_q16 + MOST_REFINED_Q16,
+            polarity,
+        };
+        self.lines = Some(lines.map(line).take(LINES).collect());
+    }
+
+    pub(crate) fn asks_for(&self, point: &EdgePoint) -> bool {
+        let may_take = |line: &Line| {
+            let apart_q16 = line.column_q16 - i64::from(point.column_q16);
+            line.polarity == point.polarity && apart_q16.abs() <= line.reach_q16
+        };
+        self.lines.as_ref().is_none_or(|lines| lines.iter().any(may_take))
+    }
+}
