@@ -69,10 +69,11 @@ impl Jump {
         let polarity = first.polarity;
         let room = if is_old && since_last >= age.saturating_sub(JUMP_ROWS) && since_last <= age + JUMP_ROWS {
             let rows = i64::from(since_last) - i64::from(age);
-            let column_q16 = track.column_q16 + rows * i64::from(track.slope_q16);
-            self.broken.push(Broken { column_q16, slope_q16: track.slope_q16, polarity }).is_ok()
+            let slope_q16 = track.filter.slope_q16;
+            let column_q16 = i64::from(track.filter.column_q16) + rows * i64::from(slope_q16);
+            self.broken.push(Broken { column_q16, slope_q16, polarity }).is_ok()
         } else if is_old && since_last < age {
-            self.whole.push(track.slope_q16).is_ok()
+            self.whole.push(track.filter.slope_q16).is_ok()
         } else if since_first.abs_diff(age) <= JUMP_ROWS && track.line.points() >= YOUNG_POINTS / 2 {
             self.begun.push(Begun { column_q16: i64::from(first.column_q16), polarity }).is_ok()
         } else {

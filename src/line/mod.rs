@@ -6,6 +6,7 @@ mod knot;
 mod prominence;
 mod line;
 mod association;
+mod filter;
 mod track;
 mod jump;
 mod counters;

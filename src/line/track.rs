@@ -1,30 +1,26 @@
 //! [`Track`]: one line under way, with its prediction.
 
 use super::association::Prediction;
+use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    LEAST_MEMORY_POINTS, LEAST_STITCH_POINTS, LIKE_ROWS, MAX_GATE_Q16, MEMORY_POINTS, MOST_GUESSED_ROWS,
-    MOST_SCATTER_Q16, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_MEMORY_POINTS, SCATTER_POINTS,
+    LEAST_STITCH_POINTS, LIKE_ROWS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
+    NO_TURN_Q16, SCATTER_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
-/// A line, and where it goes: a line fit with fading memory.
+/// A line, and where it goes.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Track<const KNOTS: usize> {
     pub(crate) line: Line<KNOTS>,
     pub(crate) state: State,
-    /// Filtered column at the last edge's row, in 1/65536 px.
-    pub(super) column_q16: i64,
-    /// Filtered slope in 1/65536 px per row of readout.
-    pub(super) slope_q16: i32,
+    pub(super) filter: Filter,
     /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
-    /// Mean distance of the last edges from where they were expected, in 1/65536 px.
-    scatter_q16: u16,
     missed_rows: u16,
     /// Points since the last one that the model has located.
     unexpected_points: u8,
@@ -53,10 +49,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         Self {
             line: Line::new(point),
             state: State::Tentative,
-            column_q16: i64::from(point.column_q16),
-            slope_q16: 0,
+            filter: Filter::new(point.column_q16),
             model: None,
-            scatter_q16: MOST_SCATTER_Q16,
             missed_rows: 0,
             unexpected_points: 0,
             around: Around::UNSEEN,
@@ -66,37 +60,19 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
-        let rows = i64::from(row.abs_diff(self.line.last().row));
-        let points = self.memory();
-        // What the slope may still be off: everything after one edge, ever less after.
-        let slope_q16 = i64::from(limits.max_slope_q16) / (points * points);
-        let noise_q16 = 4 * self.row_sigma_q16();
-        // The better a line is known, the less an edge may miss it; over a gap it may have bent.
-        let base_q16 = (i64::from(limits.gate_q16) * 8 * rows / points).min(i64::from(limits.gate_q16));
-        let mut gate_q16 = base_q16 + noise_q16 + slope_q16 * rows;
-        if self.model.is_some() && i64::from(self.line.points()) >= SCATTER_POINTS {
-            gate_q16 = gate_q16.min(self.scatter_gate_q16(rows));
+        let rows = row.abs_diff(self.line.last().row);
+        let memory = self.memory();
+        let mut gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
+        if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
+            gate_q16 = gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.is_beside_texture));
         }
-        let column_q16 = self.column_q16 + i64::from(self.slope_q16) * rows;
-        Prediction { column_q16, gate_q16: gate_q16.min(MAX_GATE_Q16), coasting: false }
+        let gate_q16 = i64::from(gate_q16.min(MAX_GATE_Q16));
+        Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
     }
 
-    /// Four sigma of an edge about its prediction: of the edge itself, and of a line through the remembered ones. The variance of
-    /// the latter, `rows` ahead of n of them, is 4/n + 12 rows/n² + 12 rows²/n³ of an edge's; more, since rows err alike.
-    fn scatter_gate_q16(&self, rows: i64) -> i64 {
-        let (n, alike) = (self.memory(), if self.is_beside_texture { 8 } else { 2 });
-        let of_line_q8 = (256 * alike * (4 * n * n + 12 * rows * n + 12 * rows * rows)).checked_div(n * n * n);
-        let variance_q8 = 256 + of_line_q8.unwrap_or(0);
-        let scatter_q16 = i64::from(self.scatter_q16).max(1 << 12);
-        // Four sigma are five mean deviations.
-        (1 << 13) + ((5 * scatter_q16 * variance_q8.isqrt()) >> 4)
-    }
-
-    /// How many edges the filter remembers: fewer where rows are sparse, since a curve bends between them.
-    fn memory(&self) -> i64 {
-        let points = i64::from(self.line.points()).max(1);
-        let rows = i64::from(self.line.last().row.abs_diff(self.line.first().row)) + 1;
-        points.min((MEMORY_POINTS * points / rows).clamp(LEAST_MEMORY_POINTS, MEMORY_POINTS))
+    fn memory(&self) -> Memory {
+        let rows = self.line.last().row.abs_diff(self.line.first().row).saturating_add(1);
+        Memory::of(self.line.points(), rows)
     }
 
     /// Counts a row without an edge.
@@ -118,9 +94,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Sigma of the last row by itself.
-    fn row_sigma_q16(&self) -> i64 {
+    fn row_sigma_q16(&self) -> u32 {
         let like_rows = if self.is_beside_texture { LIKE_ROWS } else { 1 };
-        i64::from(self.line.last().sigma_q16.min(1 << 24) / like_rows)
+        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16) / like_rows
     }
 
     /// What sigma of an edge to state: beside texture no less than the edges scatter, and more for what they have in common with
@@ -134,45 +110,29 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// One sigma of normal values is 5/4 of their mean size.
     fn scatter_sigma_q16(&self) -> u32 {
-        u32::from(self.scatter_q16) * 5 / 4
+        u32::from(self.filter.scatter_q16) * 5 / 4
     }
 
     /// Four sigma of the noise, or two of the blur.
     pub(crate) fn blur_q16(&self) -> i64 {
         let last = self.line.last();
-        (4 * self.row_sigma_q16()).max(i64::from(last.width_q8) << 9)
+        i64::from((4 * self.row_sigma_q16()).max(u32::from(last.width_q8) << 9))
     }
 
-    /// Takes an edge that matches: a line fit with fading memory, updated edge by edge.
+    /// Takes an edge that matches.
     pub(crate) fn take(&mut self, point: EdgePoint, limits: &Limits) -> bool {
-        let rows = i64::from(point.row.abs_diff(self.line.last().row));
+        let rows = point.row.abs_diff(self.line.last().row);
         if self.line.push(point).is_err() {
             return false;
         }
-        let n = self.memory();
-        let predicted = self.column_q16 + i64::from(self.slope_q16) * rows;
-        let off = self.scatter(i64::from(point.column_q16) - predicted, n);
-        let count = n * (n + 1);
-        self.column_q16 = predicted + off * (4 * n - 2) / count.max(1);
-        let slope = i64::from(self.slope_q16) + 6 * off / (count * rows).max(1);
-        self.slope_q16 = slope.clamp(-(1 << 30), 1 << 30) as i32;
+        self.filter.follow(point.column_q16, self.memory(), rows, self.is_beside_texture);
         self.missed_rows = 0;
         // A line that leans more than one may begin with is none of ours, however well it is seen.
-        let is_upright = self.slope_q16.unsigned_abs() <= limits.max_slope_q16;
+        let is_upright = self.filter.slope_q16.unsigned_abs() <= limits.max_slope_q16;
         if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
             self.state = State::Confirmed;
         }
         true
-    }
-
-    /// Counts how far off its prediction an edge is, and returns what of it the filter may follow: beside texture another edge
-    /// that crosses must not lead the line astray.
-    fn scatter(&mut self, off_q16: i64, points: i64) -> i64 {
-        let scatter_q16 = i64::from(self.scatter_q16);
-        let size_q16 = off_q16.abs().min(4 * scatter_q16);
-        let mean_q16 = scatter_q16 + (size_q16 - scatter_q16) / points.clamp(1, SCATTER_MEMORY_POINTS);
-        self.scatter_q16 = mean_q16.clamp(1, i64::from(MOST_SCATTER_Q16)) as u16;
-        if self.is_beside_texture { off_q16.clamp(-2 * scatter_q16, 2 * scatter_q16) } else { off_q16 }
     }
 
     /// Takes a point that its row shows on its own. Where these go on and the model locates none, it was made from something
@@ -228,12 +188,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
             return None;
         }
         let prediction = self.predict(theirs.last().row, limits);
-        let off_q16 = young.column_q16.abs_diff(prediction.column_q16);
-        let turn_q16 = u64::from(self.slope_q16.abs_diff(young.slope_q16));
+        let off_q16 = i64::from(young.filter.column_q16).abs_diff(prediction.column_q16);
+        let turn_q16 = u64::from(self.filter.slope_q16.abs_diff(young.filter.slope_q16));
         // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be noisier.
         let points = u64::from(theirs.points().max(1));
-        let theirs_q16 = if self.is_beside_texture { young.scatter_q16 } else { 0 };
-        let scatter_q16 = u64::from(self.scatter_q16.max(theirs_q16));
+        let theirs_q16 = if self.is_beside_texture { young.filter.scatter_q16 } else { 0 };
+        let scatter_q16 = u64::from(self.filter.scatter_q16.max(theirs_q16));
         let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
         let is_alike = mine.prominence.is_like(&theirs.prominence);
         let goes_on = is_alike && off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
@@ -249,7 +209,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.line.append(&later).is_err() {
             return false;
         }
-        self.column_q16 = young.column_q16;
+        self.filter.column_q16 = young.filter.column_q16;
         self.missed_rows = 0;
         self.state = State::Confirmed;
         true

@@ -25,8 +25,8 @@ pub(super) const LIKE_PARTS: i64 = 3;
 
 /// The filter's gain falls with the number of points down to this one's, so that it can follow a curve; fewer where rows are
 /// sparse (`tracking::curved_edges_are_one_line`).
-pub(super) const MEMORY_POINTS: i64 = 64;
-pub(super) const LEAST_MEMORY_POINTS: i64 = 16;
+pub(super) const MEMORY_POINTS: u32 = 64;
+pub(super) const LEAST_MEMORY_POINTS: u32 = 16;
 
 /// Rows without an edge after which a line of pixels is hidden: its model would soon take texture for it
 /// (`frames::a_line_goes_on_behind_a_rail`).
@@ -46,17 +46,22 @@ pub(super) const MOST_UNEXPECTED_POINTS: u8 = 8;
 
 /// From so many points on they tell how much they scatter, as a mean over the second number of points
 /// (`clutter::crossing_bars_lead_no_line_astray`).
-pub(super) const SCATTER_POINTS: i64 = 12;
-pub(super) const SCATTER_MEMORY_POINTS: i64 = 24;
+pub(super) const SCATTER_POINTS: u16 = 12;
+pub(super) const SCATTER_MEMORY_POINTS: u32 = 24;
 
 /// Half a pixel, in 1/65536 px: what scatters more is no edge (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const MOST_SCATTER_Q16: u16 = 1 << 15;
+
+/// Rows that err alike: blur, levels and rounding are common to some of them; in texture more
+/// (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const ROWS_ALIKE: u32 = 2;
+pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = ALIKE_ROWS as u32;
 
 /// Root of the number of rows in which texture errs alike (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const LIKE_ROWS: u32 = 2;
 
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
-pub(super) const MAX_GATE_Q16: i64 = 48 << 16;
+pub(super) const MAX_GATE_Q16: u32 = 48 << 16;
 
 /// A line that jumps ends, and begins again, within so many rows: each is found or lost a row or two late (`jumps::missing_rows_are_noticed`).
 pub(super) const JUMP_ROWS: u16 = 3;
