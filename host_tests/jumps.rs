@@ -3,7 +3,7 @@
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene};
-use shutter_range::{Ranger, RowError, Uncertainty};
+use shutter_range::{Ranger, RowError, Setup, Uncertainty};
 
 use crate::frames::{Frame, ROWS, TOP, moving, render};
 
@@ -60,11 +60,18 @@ impl Passing {
     }
 }
 
-/// The row at which a frame is found torn.
+/// The row at which a frame is found torn, by a ranger with room for what begins there.
 fn jump_of(passing: &Passing, frame: &Frame) -> Option<u16> {
     let setup = moving(passing.speed_m_s).setup_read::<f32>(Uncertainty::NONE, TOP);
-    let mut ranger = Ranger::<32, 10, 32>::new(); // with room for what begins after the jump;
-    (0..ROWS).find_map(|row| match ranger.row(&setup, row, &frame[usize::from(row)]) {
+    jump_in(&mut Ranger::<32, 10, 32>::new(), &setup, frame)
+}
+
+fn jump_in<const LINES: usize, const POINTS: usize>(
+    ranger: &mut Ranger<LINES, 10, POINTS>,
+    setup: &Setup<f32>,
+    frame: &Frame,
+) -> Option<u16> {
+    (0..ROWS).find_map(|row| match ranger.row(setup, row, &frame[usize::from(row)]) {
         Err(RowError::Jump { row }) => Some(row),
         _ => None,
     })
@@ -139,6 +146,27 @@ fn assert_none_in(frames: u32) {
         let passing = Passing::at_random(&mut random);
         assert_eq!(jump_of(&passing, &passing.frame(0.0)), None);
     }
+}
+
+/// More lines than are asked: a fence of 24 bars.
+#[test]
+fn a_fence_that_is_torn_is_noticed() {
+    let world = moving(1.5);
+    let fence = |after_s: f64| {
+        let mut scene = Scene::<24>::new(Background::plain(180.0)).expect("a sound background");
+        for index in 0..24_u8 {
+            let bar = Bar::upright(f32::from(index) * 0.043 - 0.5, 2.0, 0.04, 60.0);
+            scene.push(moved(bar, 1.5 * after_s)).expect("a sound bar");
+        }
+        render(&scene, &world, TOP, Exposure::default(), 3).0
+    };
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    let jump = |frame: &Frame| jump_in(&mut Ranger::<128, 10, 128>::new(), &setup, frame);
+    for row in [40, 120, 200] {
+        let torn = mixed(&fence(0.0), &fence(0.01), row);
+        assert!(jump(&torn).is_some_and(|jump| usize::from(jump).abs_diff(row) <= 3), "{:?} for {row}", jump(&torn));
+    }
+    assert_eq!(jump(&fence(0.0)), None);
 }
 
 #[test]

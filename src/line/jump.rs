@@ -4,7 +4,8 @@ use heapless::Vec;
 
 use super::track::{State, Track};
 use super::tuning::{
-    JUMP_ROWS, LEAST_JUMP_Q16, LEAST_PULSED, MOST_JUMP_ROWS, MOST_JUMPING, MOST_PULSE_Q16, SAME_JUMP_Q16, YOUNG_POINTS,
+    JUMP_ROWS, LEAST_JUMP_Q16, LEAST_PULSED, MOST_ASKED, MOST_BROKEN, MOST_JUMP_ROWS, MOST_PULSE_Q16, SAME_JUMP_Q16,
+    YOUNG_POINTS,
 };
 use crate::edge::Polarity;
 
@@ -13,15 +14,17 @@ use crate::edge::Polarity;
 /// Where rows are missing, frames are mixed, bytes are lost or the light is pulsed, the edges are all displaced at one row:
 /// each line that comes to it breaks off, and goes on elsewhere. Edges of the world that end and begin at one row, as windows
 /// do, do not all go on by the same displacement.
-pub(super) struct Jump {
+///
+/// *Cost*: of the order of 24 times the square of the lines that begin there, where any breaks off; else a look at each line.
+pub(super) struct Jump<const LINES: usize> {
     /// Of the image, in 1/65536 px.
     columns_q16: i64,
-    broken: Vec<Broken, MOST_JUMPING>,
-    begun: Vec<Begun, MOST_JUMPING>,
+    /// The first of them, which stand for all.
+    broken: Vec<Broken, MOST_BROKEN>,
+    all_broken: usize,
+    begun: Vec<Begun, LINES>,
     /// Slopes of the lines that go on, in 1/65536 px per row.
-    whole: Vec<i32, MOST_JUMPING>,
-    /// More lines than these.
-    others: u16,
+    whole: Vec<i32, LINES>,
 }
 
 /// A line that breaks off: where it should have gone on.
@@ -50,15 +53,10 @@ enum Displacement {
     Left,
 }
 
-impl Jump {
-    pub(super) const fn new(columns: u16) -> Self {
-        Self {
-            columns_q16: (columns as i64) << 16,
-            broken: Vec::new(),
-            begun: Vec::new(),
-            whole: Vec::new(),
-            others: 0,
-        }
+impl<const LINES: usize> Jump<LINES> {
+    pub(super) fn new(columns: u16) -> Self {
+        let (broken, begun, whole) = (Vec::new(), Vec::new(), Vec::new());
+        Self { columns_q16: i64::from(columns) << 16, broken, all_broken: 0, begun, whole }
     }
 
     /// Sorts in a line under way, as seen from `row`, by what it does `age` rows before.
@@ -67,19 +65,18 @@ impl Jump {
         let (since_first, since_last) = (row.abs_diff(first.row), row.abs_diff(last.row));
         let is_old = track.state != State::Tentative && since_first >= age + YOUNG_POINTS;
         let polarity = first.polarity;
-        let room = if is_old && since_last >= age.saturating_sub(JUMP_ROWS) && since_last <= age + JUMP_ROWS {
+        // There is room: one of either for each line. Of those that break off the first stand for all.
+        if is_old && since_last >= age.saturating_sub(JUMP_ROWS) && since_last <= age + JUMP_ROWS {
             let rows = i64::from(since_last) - i64::from(age);
             let slope_q16 = track.filter.slope_q16;
             let column_q16 = i64::from(track.filter.column_q16) + rows * i64::from(slope_q16);
-            self.broken.push(Broken { column_q16, slope_q16, polarity }).is_ok()
+            let _ = self.broken.push(Broken { column_q16, slope_q16, polarity });
+            self.all_broken += 1;
         } else if is_old && since_last < age {
-            self.whole.push(track.filter.slope_q16).is_ok()
+            let _ = self.whole.push(track.filter.slope_q16);
         } else if since_first.abs_diff(age) <= JUMP_ROWS && track.line.points() >= YOUNG_POINTS / 2 {
-            self.begun.push(Begun { column_q16: i64::from(first.column_q16), polarity }).is_ok()
-        } else {
-            true
-        };
-        self.others += u16::from(!room);
+            let _ = self.begun.push(Begun { column_q16: i64::from(first.column_q16), polarity });
+        }
     }
 
     /// Whether all lines go on elsewhere by one and the same displacement, or all but one in four.
@@ -95,7 +92,7 @@ impl Jump {
                     || rows.is_some_and(|rows| self.is_displaced(Displacement::Rows(rows), stay.max(1)))
             })
         };
-        is_pulse(Displacement::Right) || is_pulse(Displacement::Left) || lines.clone().any(is_shift)
+        is_pulse(Displacement::Right) || is_pulse(Displacement::Left) || lines.take(MOST_ASKED).any(is_shift)
     }
 
     /// Whether more than so many lines are displaced by a pixel or more, and hardly any that should be is not.
@@ -108,8 +105,7 @@ impl Jump {
         let moving = self.broken.iter().filter(|line| moves(line.slope_q16));
         let moved = moving.filter(|line| self.goes_on(line, displacement)).count();
         let whole = self.whole.iter().filter(|slope_q16| moves(**slope_q16)).count();
-        let all = self.broken.len() + whole + usize::from(self.others);
-        moved > few && 4 * moved >= 3 * all
+        moved > few && 4 * moved * self.all_broken >= 3 * self.broken.len() * (self.all_broken + whole)
     }
 
     /// Whether a line begins where this one is displaced to.

@@ -130,7 +130,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             track.state == State::Confirmed && track.line.points() == YOUNG_POINTS && track.line.last().row == row
         };
         let begun_in = self.tracks_under_way().find(is_asked)?.line.first().row;
-        let mut jump = Jump::new(columns);
+        let mut jump: Jump<LINES> = Jump::new(columns);
         self.tracks_under_way().for_each(|track| jump.add(track, row, row.abs_diff(begun_in)));
         jump.is_common().then_some(begun_in)
     }

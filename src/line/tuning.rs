@@ -79,8 +79,10 @@ pub(super) const SAME_JUMP_Q16: u64 = 3 << 15;
 /// Rows by which frames that are mixed may differ: several frames' (`jumps::mixed_frames_are_noticed`).
 pub(super) const MOST_JUMP_ROWS: i64 = 1 << 15;
 
-/// Lines that are looked at for a jump: with more, the work of a row would grow with the cube of their number (`jumps::lost_bytes_are_noticed`).
-pub(super) const MOST_JUMPING: usize = 8;
+/// Lines that break off are so many at most, and of these so many are asked where they go on: with all of them the work of a row would
+/// grow with the cube of their number, and with one that is wrong no jump is seen (`jumps::lost_bytes_are_noticed`).
+pub(super) const MOST_BROKEN: usize = 8;
+pub(super) const MOST_ASKED: usize = 3;
 
 /// Farther than this an edge does not move between two pulses of light, in 1/65536 px: 10 ms at 3 m/s past a post 1 m away
 /// (`jumps::pulsed_light_is_noticed`).
