@@ -5,7 +5,7 @@ use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use shutter_range::sim::{Background, Bar, Exposure, Pipeline, Scene, Simulator, Stage, Texture};
-use shutter_range::{Polarity, Range, Ranger, ReadoutDirection, Setup, Twist, Uncertainty};
+use shutter_range::{Polarity, Range, Ranger, ReadoutDirection, RowError, Setup, Twist, Uncertainty};
 
 use crate::projection;
 
@@ -149,6 +149,23 @@ impl Shot {
 
     pub(crate) fn ranges(&self, ranger: &mut LargeRanger, setup: &Setup<f64>, frame: &Frame) -> Vec<Range<f64>> {
         ranges(ranger, setup, &self.world.motion(), frame)
+    }
+
+    /// The same of a frame whose content may jump: none where it is found torn.
+    pub(crate) fn ranges_if_whole(
+        &self,
+        ranger: &mut LargeRanger,
+        setup: &Setup<f64>,
+        frame: &Frame,
+    ) -> Option<Vec<Range<f64>>> {
+        let torn = (0..).zip(frame).find_map(|(row, pixels)| ranger.row(setup, row, pixels).err());
+        ranger.end_frame(setup);
+        let found = ranger.ranges(setup, &self.world.motion());
+        match torn {
+            None => Some(found),
+            Some(RowError::Jump { .. }) => None,
+            Some(error) => panic!("rows in order: {error}"),
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::track::{State, Track};
 use super::tuning::{
-    JUMP_ROWS, LEAST_JUMP_Q16, LEAST_PULSED, MOST_ASKED, MOST_BROKEN, MOST_JUMP_ROWS, MOST_PULSE_Q16, SAME_JUMP_Q16,
+    JUMP_ROWS, LEAST_JUMP_Q16, MOST_ASKED, MOST_BROKEN, MOST_CHANCE_Q32, MOST_JUMP_ROWS, MOST_PULSE_Q16, SAME_JUMP_Q16,
     YOUNG_POINTS,
 };
 use crate::edge::Polarity;
@@ -32,7 +32,19 @@ struct Broken {
     column_q16: i64,
     slope_q16: i32,
     polarity: Polarity,
+    /// That it had before.
+    rows: u16,
 }
+
+impl Broken {
+    /// Whether it has stayed within a pixel, as between two pulses of light.
+    fn is_at_rest(&self) -> bool {
+        (i64::from(self.slope_q16) * i64::from(self.rows)).abs() < LEAST_JUMP_Q16
+    }
+}
+
+/// How far an edge may move between two pulses of light, in 1/65536 px.
+const PULSE_Q16: core::ops::RangeInclusive<i64> = LEAST_JUMP_Q16..=MOST_PULSE_Q16;
 
 /// A line that begins.
 struct Begun {
@@ -70,7 +82,7 @@ impl<const LINES: usize> Jump<LINES> {
             let rows = i64::from(since_last) - i64::from(age);
             let slope_q16 = track.filter.slope_q16;
             let column_q16 = i64::from(track.filter.column_q16) + rows * i64::from(slope_q16);
-            let _ = self.broken.push(Broken { column_q16, slope_q16, polarity });
+            let _ = self.broken.push(Broken { column_q16, slope_q16, polarity, rows: since_first - since_last });
             self.all_broken += 1;
         } else if is_old && since_last < age {
             let _ = self.whole.push(track.filter.slope_q16);
@@ -79,33 +91,55 @@ impl<const LINES: usize> Jump<LINES> {
         }
     }
 
-    /// Whether all lines go on elsewhere by one and the same displacement, or all but one in four.
+    /// Whether all lines go on elsewhere by one and the same displacement, or all but one in four, and chance hardly makes that.
     pub(super) fn is_common(&self) -> bool {
-        let lines = self.broken.iter();
-        let stay = lines.clone().filter(|line| self.goes_on(line, Displacement::Rows(0))).count();
-        let is_pulse = |direction| self.is_displaced(direction, stay.max(LEAST_PULSED - 1));
+        let asked = self.broken.iter().take(MOST_ASKED);
         let is_shift = |line: &Broken| {
             let begun = self.begun.iter().filter(|begun| begun.polarity == line.polarity);
             begun.map(|begun| begun.column_q16 - line.column_q16).any(|jump_q16| {
                 let rows = jump_q16.checked_div(i64::from(line.slope_q16)).filter(|rows| rows.abs() <= MOST_JUMP_ROWS);
-                self.is_displaced(Displacement::Columns(jump_q16), stay.max(1))
-                    || rows.is_some_and(|rows| self.is_displaced(Displacement::Rows(rows), stay.max(1)))
+                self.is_displaced(Displacement::Columns(jump_q16))
+                    || rows.is_some_and(|rows| self.is_displaced(Displacement::Rows(rows)))
             })
         };
-        is_pulse(Displacement::Right) || is_pulse(Displacement::Left) || lines.take(MOST_ASKED).any(is_shift)
+        self.is_displaced(Displacement::Right) || self.is_displaced(Displacement::Left) || asked.clone().any(is_shift)
     }
 
-    /// Whether more than so many lines are displaced by a pixel or more, and hardly any that should be is not.
-    fn is_displaced(&self, displacement: Displacement, few: usize) -> bool {
+    /// Whether hardly any line that should be displaced by a pixel or more is not, no more lines go on as they were, and chance hardly
+    /// makes that.
+    fn is_displaced(&self, displacement: Displacement) -> bool {
         let moves = |slope_q16: i32| match displacement {
             Displacement::Rows(rows) => (rows * i64::from(slope_q16)).abs() >= LEAST_JUMP_Q16,
             Displacement::Columns(columns_q16) => columns_q16.abs() >= LEAST_JUMP_Q16,
             Displacement::Right | Displacement::Left => true,
         };
-        let moving = self.broken.iter().filter(|line| moves(line.slope_q16));
-        let moved = moving.filter(|line| self.goes_on(line, displacement)).count();
+        let moved = self.broken.iter().filter(|line| moves(line.slope_q16) && self.goes_on(line, displacement));
         let whole = self.whole.iter().filter(|slope_q16| moves(**slope_q16)).count();
-        moved > few && 4 * moved * self.all_broken >= 3 * self.broken.len() * (self.all_broken + whole)
+        let stays = self.broken.iter().filter(|line| self.goes_on(line, Displacement::Rows(0))).count();
+        let count = moved.clone().count();
+        let are_all = 4 * count * self.all_broken >= 3 * self.broken.len() * (self.all_broken + whole);
+        are_all && count > stays && count >= self.whole.len() && self.chance_q32(moved, displacement) <= MOST_CHANCE_Q32
+    }
+
+    /// How often such lines break off within the same rows, and others begin where they are displaced to, if neither has to do with the
+    /// other, in 1/2³².
+    fn chance_q32<'a>(&self, mut moved: impl Iterator<Item = &'a Broken>, displacement: Displacement) -> u64 {
+        let begun = self.begun.len() as u64;
+        let (trials, width_q16) = match displacement {
+            // One line and each that begins make a displacement; all others agree with it.
+            Displacement::Columns(_) | Displacement::Rows(_) => {
+                let _ = moved.next();
+                (MOST_ASKED as u64 * begun, 2 * SAME_JUMP_Q16)
+            }
+            Displacement::Right | Displacement::Left => (2, MOST_PULSE_Q16.unsigned_abs()),
+        };
+        let rows = u64::from(2 * JUMP_ROWS + 1);
+        moved.fold(trials << 32, |chance_q32, line| {
+            let within = rows * begun * width_q16;
+            let among = u64::from(line.rows.max(1)) * self.columns_q16.unsigned_abs();
+            let part_q16 = (within << 8).checked_div(among >> 8).unwrap_or(1 << 16).min(1 << 16);
+            (chance_q32 >> 16).saturating_mul(part_q16)
+        })
     }
 
     /// Whether a line begins where this one is displaced to.
@@ -118,8 +152,8 @@ impl<const LINES: usize> Jump<LINES> {
                     apart_q16.min(self.columns_q16.unsigned_abs().abs_diff(apart_q16)) <= SAME_JUMP_Q16
                 }
                 Displacement::Rows(rows) => jump_q16.abs_diff(rows * i64::from(line.slope_q16)) <= SAME_JUMP_Q16,
-                Displacement::Right => (LEAST_JUMP_Q16..=MOST_PULSE_Q16).contains(&jump_q16),
-                Displacement::Left => (LEAST_JUMP_Q16..=MOST_PULSE_Q16).contains(&-jump_q16),
+                Displacement::Right => line.is_at_rest() && PULSE_Q16.contains(&jump_q16),
+                Displacement::Left => line.is_at_rest() && PULSE_Q16.contains(&-jump_q16),
             }
         })
     }

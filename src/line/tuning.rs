@@ -88,9 +88,9 @@ pub(super) const MOST_ASKED: usize = 3;
 /// (`jumps::pulsed_light_is_noticed`).
 pub(super) const MOST_PULSE_Q16: i64 = 16 << 16;
 
-/// Fewer lines than this that go on to one side, by any distance, are no pulse: chance makes them
-/// (`jumps::whole_frames_do_not_jump`).
-pub(super) const LEAST_PULSED: usize = 4;
+/// A jump is none by chance where that makes one in 10⁵ rows in which lines break off, in 1/2³²
+/// (`jumps::whole_frames_do_not_jump`, `clutter::texture_is_no_bar`).
+pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 
 /// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look costs as
 /// much as locating its line (`cargo xtask budget --use "two bars"`).
