@@ -69,8 +69,8 @@ fn main() {
     // The camera's own velocity as the van sees it.
     let [vx, vy, vz] = VAN_M_S;
     let motion = Twist::level([-vx, -vy, -vz]).expect("a sound motion");
-    let mut ranger = const { Ranger::<4, 10, 4>::new() };
-    let mut sequence = const { Sequence::<f32, 4>::new() };
+    let mut ranger = const { Ranger::<3, 8, 4>::new() };
+    let mut sequence = const { Sequence::<f32, 3>::new() };
     let mut random = 1_u32;
     for frame in 0..FRAMES {
         say!("frame {frame}");

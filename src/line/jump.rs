@@ -107,6 +107,7 @@ impl<const LINES: usize> Jump<LINES> {
 
     /// Whether hardly any line that should be displaced by a pixel or more is not, no more lines go on as they were, and chance hardly
     /// makes that.
+    #[inline(never)] // it is asked from four places, and seldom
     fn is_displaced(&self, displacement: Displacement) -> bool {
         let moves = |slope_q16: i32| match displacement {
             Displacement::Rows(rows) => (rows * i64::from(slope_q16)).abs() >= LEAST_JUMP_Q16,
@@ -143,6 +144,7 @@ impl<const LINES: usize> Jump<LINES> {
     }
 
     /// Whether a line begins where this one is displaced to.
+    #[inline(never)]
     fn goes_on(&self, line: &Broken, displacement: Displacement) -> bool {
         self.begun.iter().filter(|begun| begun.polarity == line.polarity).any(|begun| {
             let jump_q16 = begun.column_q16 - line.column_q16;

@@ -125,6 +125,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// The row at which all lines jump, where one of those that began there is old enough on `row` to tell.
+    #[inline(never)] // its lists take room on the stack only while it is asked
     fn jump(&self, columns: u16, row: u16) -> Option<u16> {
         let is_asked = |track: &&Track<KNOTS>| {
             track.state == State::Confirmed && track.line.points() == YOUNG_POINTS && track.line.last().row == row
