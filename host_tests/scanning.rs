@@ -251,7 +251,7 @@ fn edges_eight_pixels_from_the_border_are_exact() {
 #[test]
 fn an_edge_at_the_end_of_a_look_is_whole() {
     for first in 160..176 {
-        let bar = steps(320, &[(0, 115), (first, 123), (first + 12, 115)]);
+        let bar = steps(320, &[(0, 115), (first, 124), (first + 12, 115)]);
         for row in [bar.clone(), bar.into_iter().rev().collect()] {
             let points = scan(&mut Scanner::new(), &row);
             assert_eq!(points.len(), 2, "columns {first} to {}: {points:?}", first + 12);

@@ -4,13 +4,13 @@
 use crate::{Number, stack};
 use semihosting::sys::arm_compat::sys_writec;
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
-use shutter_range::{EdgePoint, ParameterError, Scalar, Setup, SmallRanger, Twist};
+use shutter_range::{EdgePoint, ParameterError, Ranger, Scalar, Setup, Twist};
 
 pub const COLUMNS: u16 = 320;
 pub const ROWS: u16 = 240;
 
-/// The tables: 8 lines.
-pub type Tables = SmallRanger;
+/// The tables: 8 lines, and 12 points on a row: that and the stack fit in 10 KiB.
+pub type Tables = Ranger<8, 8, 12>;
 
 /// QVGA at 30 frames a second.
 pub fn setup() -> Result<Setup<Number>, ParameterError> {
