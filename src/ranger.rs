@@ -134,7 +134,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. So do
     /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to eleven instructions a pixel and six to twelve thousand for each edge; docs/budget.md has them by board, and
+    /// *Cost*: some seven to twelve instructions a pixel and three to six thousand for each edge; docs/budget.md has them by board, and
     /// what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {

@@ -178,7 +178,7 @@ fn uncertainty(camera: &Section<'_>, motion: &Section<'_>, attitude: &Section<'_
     let sigma_focal = camera.number("sigma_focal", RELATIVE)?.unwrap_or(usual.sigma_focal);
     let edge_roughness_px = camera.number("edge_roughness_px", roughness)?.unwrap_or(usual.edge_roughness_px);
     let seconds = Bounds::number(0.0, 1.0, "seconds, one standard deviation");
-    let sigma_time_s = motion.number("sigma_time_s", seconds)?.unwrap_or(usual.sigma_time_s);
+    let sigma_time_s = motion.number("sigma_time_s", seconds)?.unwrap_or(0.0);
     Ok(usual
         .with_sigma_tilt(degrees(attitude, "sigma_tilt_deg", 0.1)?)
         .with_sigma_gravity(degrees(attitude, "sigma_gravity_deg", 0.0)?)
