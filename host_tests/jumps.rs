@@ -176,7 +176,7 @@ fn whole_frames_do_not_jump() {
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "half a minute; `whole_frames_do_not_jump` takes the first 200 of them"]
 fn ten_thousand_whole_frames_do_not_jump() {
     assert_none_in(10_000);
 }

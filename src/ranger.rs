@@ -132,10 +132,11 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     ///
     /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are given
     /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. So do
-    /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge points is refused and changes nothing.
+    /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge
+    /// points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and three to six thousand for each edge; docs/budget.md has them by board, and
-    /// what texture and fences cost.
+    /// *Cost*: some seven to twelve instructions a pixel and three to six thousand for each edge; docs/budget.md has them by
+    /// board, and what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
@@ -345,8 +346,8 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: u
     Ok(())
 }
 
-/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that share a window of the
-/// scanner keep their columns, but their widths are not measured.
+/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that share
+/// a window of the scanner keep their columns, but their widths are not measured.
 fn refine_alone<P: Pixels, const LINES: usize>(
     points: &mut [EdgePoint],
     pixels: PixelRow<'_, P>,

@@ -63,10 +63,12 @@ pub(super) const LIKE_ROWS: u32 = 2;
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: u32 = 48 << 16;
 
-/// A line that jumps ends, and begins again, within so many rows: each is found or lost a row or two late (`jumps::missing_rows_are_noticed`).
+/// A line that jumps ends, and begins again, within so many rows: each is found or lost a row or two late
+/// (`jumps::missing_rows_are_noticed`).
 pub(super) const JUMP_ROWS: u16 = 3;
 
-/// Points of a line that begins after a jump when it is asked for, and least of one before: by then all have begun (`jumps::mixed_frames_are_noticed`).
+/// Points of a line that begins after a jump when it is asked for, and least of one before: by then all have begun
+/// (`jumps::mixed_frames_are_noticed`).
 pub(super) const YOUNG_POINTS: u16 = 8;
 
 /// A displacement of less than a pixel is no jump, in 1/65536 px: lines follow it (`jumps::whole_frames_do_not_jump`).
@@ -76,11 +78,13 @@ pub(super) const LEAST_JUMP_Q16: i64 = 1 << 16;
 /// known to about half a pixel (`jumps::lost_bytes_are_noticed`).
 pub(super) const SAME_JUMP_Q16: u64 = 3 << 15;
 
-/// Rows by which frames that are mixed may differ: several frames' (`jumps::mixed_frames_are_noticed`).
+/// Rows by which frames that are mixed may differ: no frame is longer, and products with a slope stay small
+/// (`jumps::mixed_frames_are_noticed`).
 pub(super) const MOST_JUMP_ROWS: i64 = 1 << 15;
 
-/// Lines that break off are so many at most, and of these so many are asked where they go on: with all of them the work of a row would
-/// grow with the cube of their number, and with one that is wrong no jump is seen (`jumps::lost_bytes_are_noticed`).
+/// Of the lines that break off so many stand for all, and so many are asked where they go on: with all of them the work of a
+/// row would grow with the fourth power of their number, and with one that is wrong no jump is seen
+/// (`jumps::lost_bytes_are_noticed`, `jumps::a_fence_that_is_torn_is_noticed`).
 pub(super) const MOST_BROKEN: usize = 8;
 pub(super) const MOST_ASKED: usize = 3;
 
