@@ -2,8 +2,9 @@
 
 use super::equation::Equation;
 use super::line3::Line3;
-use super::observation::{Observation, Observer};
+use super::observation::{Normals, Observer};
 use super::sample::Sample;
+use super::unknowns::Unknowns;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
 use crate::scalar::{Scalar, hypot, ln, over};
@@ -19,7 +20,7 @@ use crate::setup::Setup;
 #[derive(Clone, Copy)]
 pub(crate) struct BlurMeasurement<S> {
     /// The ray of the line's middle at the start and at the end of the exposure.
-    ends: [Observation<S>; 2],
+    ends: [Normals<S>; 2],
     /// Variance of the blurred edge.
     measured_px2: S,
     /// One sigma of its logarithm, from noise and from how far widths can be trusted.
@@ -56,7 +57,7 @@ impl<S: Scalar> BlurMeasurement<S> {
         let sigma_px = line.mean_width_sigma_px::<S>().min(most_px);
         let middle = line.middle_mean::<S>()?;
         let half = blur.exposure_s * S::ratio(1, 2);
-        let mut at = |time_s: S| observer.observe(&Sample { time_s, ..middle });
+        let mut at = |time_s: S| observer.observe(&Sample { time_s, ..middle }).map(|seen| seen.normals);
         // A variance is a square: its logarithm has twice the relative error of the width.
         let relative_sigma = hypot(sigma_px / width_px, setup.sigma_blur());
         Some(Self {
@@ -89,8 +90,8 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 
     /// Path along the row during the exposure.
-    fn path(&self, line3: &Line3<S>) -> Option<Path<S>> {
-        let [start, end] = self.ends.each_ref().map(|end| line3.residual(end));
+    fn path(&self, unknowns: &Unknowns<S>) -> Option<Path<S>> {
+        let [start, end] = self.ends.each_ref().map(|end| unknowns.residual(end));
         Some(Path {
             px: start.px()? - end.px()?,
             per_inverse_depth: start.px_per_inverse_depth()? - end.px_per_inverse_depth()?,
@@ -98,14 +99,14 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 
     /// The same in pixels with its sign.
-    pub(crate) fn path_px(&self, line3: &Line3<S>) -> Option<S> {
-        self.path(line3).map(|path| path.px)
+    pub(crate) fn path_px(&self, unknowns: &Unknowns<S>) -> Option<S> {
+        self.path(unknowns).map(|path| path.px)
     }
 
     /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they lie, given
     /// what the positions say of the inverse depth, as changes of it, each with what it costs; the better one first.
-    pub(super) fn either_path(&self, line3: &Line3<S>, information: S) -> Option<[PathChoice<S>; 2]> {
-        let path = self.path(line3)?;
+    pub(super) fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
+        let path = self.path(unknowns)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(S::ZERO)) * S::from_i32(12)).sqrt();
         // A sigma of the path is 6 V/B times that of the logarithm.
         let part = blur_px * S::ratio(1, 6) / (self.expected_px2(blur_px) * self.joint_sigma_ln(blur_px));
@@ -152,9 +153,9 @@ impl<S: Scalar> BlurMeasurement<S> {
         q * (q * change_per_m + self.excess_ln(path_px) * per_sigma) * over(q * q + information)
     }
 
-    /// Linearised about `line3`, and what a pixel of the lens's own blur takes from its y.
-    pub(super) fn equation(&self, line3: &Line3<S>) -> Option<(Equation<S>, S)> {
-        let path = self.path(line3)?;
+    /// Linearised about `unknowns`, and what a pixel of the lens's own blur takes from its y.
+    pub(super) fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)> {
+        let path = self.path(unknowns)?;
         let per_sigma = over(self.joint_sigma_ln(path.px));
         let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(path.px);
         let equation = Equation { q, y: self.excess_ln(path.px), ..Equation::NOTHING };

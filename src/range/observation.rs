@@ -29,9 +29,9 @@ impl<S: Scalar> Normal<S> {
     }
 }
 
-/// The ray of a sample against the two directions that an edge is made of: twelve numbers, and its noise.
+/// A ray against the two directions that an edge is made of.
 #[derive(Clone, Copy)]
-pub(crate) struct Observation<S> {
+pub(crate) struct Normals<S> {
     /// d × g: m of an upright edge.
     pub(crate) down: Normal<S>,
     /// d × e: what a unit of tilt adds.
@@ -39,6 +39,12 @@ pub(crate) struct Observation<S> {
     /// Their changes by a pixel along the row.
     pub(crate) down_per_px: Normal<S>,
     pub(crate) lean_per_px: Normal<S>,
+}
+
+/// A sample as a ray, and its noise.
+#[derive(Clone, Copy)]
+pub(crate) struct Observation<S> {
+    pub(crate) normals: Normals<S>,
     /// Bearings to the right and downwards in the camera's axes at that time.
     pub(crate) bearings: [S; 2],
     pub(crate) time_s: S,
@@ -89,11 +95,14 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
-        Some(Observation {
+        let normals = Normals {
             down,
             lean: Normal::of_flat(direction, self.lean, position),
             down_per_px: Normal::of(along_row, self.gravity, position),
             lean_per_px: Normal::of_flat(along_row, self.lean, position),
+        };
+        Some(Observation {
+            normals,
             bearings: span.middle,
             time_s: sample.time_s,
             sigma_px,

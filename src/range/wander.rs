@@ -50,9 +50,18 @@ impl<S: Scalar> Stretch<S> {
 
 /// The residual of a stretch in units of the sigma that the fit has used.
 pub(super) struct Residual<'a, S> {
-    pub(super) stretch: &'a Stretch<S>,
-    pub(super) per_sigma: S,
-    pub(super) deviation: S,
+    stretch: &'a Stretch<S>,
+    per_sigma: S,
+    deviation: S,
+    /// The stated noise.
+    noise: S,
+}
+
+impl<'a, S: Scalar> Residual<'a, S> {
+    pub(super) fn new(stretch: &'a Stretch<S>, per_sigma: S, deviation: S) -> Self {
+        let cap = S::from_i32(MOST_SIGMAS);
+        Self { stretch, per_sigma, deviation: deviation.min(cap).max(-cap), noise: stretch.noise_px * per_sigma }
+    }
 }
 
 /// The errors of an edge's columns: white noise, and a wander whose correlation falls off exponentially along the edge (a
@@ -126,6 +135,7 @@ impl<S: Scalar> Wander<S> {
     }
 
     /// Variance of the slope through the stretches over what a fit with their variances states.
+    #[inline(never)]
     fn inflation_with<const N: usize>(&self, residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>) -> S {
         let none = S::ZERO;
         let (mut weights, mut moment, mut leverages) = (none, none, Vec::<(S, S), N>::new());
@@ -157,6 +167,7 @@ struct Kernel<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Kernel<S, N> {
+    #[inline(never)]
     fn new(residuals: &[Residual<'_, S>], alike_rows: S) -> Self {
         let (length, mut kernel) = (alike_rows.half(), Self { links: Vec::new() });
         let (per_length, length_of_three) = (over(length), length * S::from_i32(3));
@@ -208,21 +219,15 @@ struct Shown<S> {
 
 impl<S: Scalar> Shown<S> {
     /// Without a kernel: of white noise that is all of the sigma, so that each mode has one square of it.
+    #[inline(never)]
     fn of<const N: usize>(residuals: &[Residual<'_, S>], kernel: Option<&Kernel<S, N>>) -> Self {
         let none = S::ZERO;
         let modes = residuals.len().saturating_sub(SPENT + SPENT).min(WANDER_MODES);
         let of_noise = if kernel.is_none() { S::from_i32(modes as i32) } else { none };
         let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise, of_wander: none, modes };
-        let cap = S::from_i32(MOST_SIGMAS);
         let (mut rest, mut stated) = (none, none);
-        // Deviation and stated noise in units of the sigma that the fit has used.
-        let mut relative: Vec<(S, S), N> = Vec::new();
-        for residual in residuals {
-            let off = residual.deviation.min(cap).max(-cap);
-            let noise = residual.stretch.noise_px * residual.per_sigma;
-            (rest, stated) = (rest + off * off, stated + noise * noise);
-            // There is room: as many as residuals.
-            let _ = relative.push((off, noise));
+        for Residual { deviation, noise, .. } in residuals {
+            (rest, stated) = (rest + *deviation * *deviation, stated + *noise * *noise);
         }
         let places = residuals.iter().map(|residual| (residual.stretch.place, residual.per_sigma));
         let mut mode = Modes::<S, N>::new(places);
@@ -230,13 +235,14 @@ impl<S: Scalar> Shown<S> {
             if order > 0 {
                 mode.advance();
             }
-            let along = mode.values().zip(&relative).fold(none, |sum, (part, (off, _))| sum + part * *off);
+            let along =
+                mode.values().zip(residuals).fold(none, |sum, (part, residual)| sum + part * residual.deviation);
             let power = along * along * mode.per_square();
             rest = rest - power;
             if order >= SPENT {
                 shown.power = shown.power + power;
                 if let Some(kernel) = kernel {
-                    let of_noise = mode.values().zip(&relative).map(|(part, (_, noise))| part * *noise);
+                    let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise);
                     let of_noise = of_noise.fold(none, |sum, part| sum + part * part);
                     let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.per_sigma);
                     shown.of_noise = shown.of_noise + of_noise * mode.per_square();

@@ -177,7 +177,7 @@ impl<S: Scalar> Landmark<S> {
         let has_moved = matched.has_moved && !is_unsure;
         let is_refuted = is_unsure && (matched.has_moved || self.frames == 2 && matched.is_doubtful);
         let begins_anew = has_moved || is_refuted;
-        let earlier = (!begins_anew).then_some(self.state);
+        let earlier = (!begins_anew).then_some(&self.state);
         let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
         match state.filter(|_| is_informative(range.status)) {
             Some(state) => {
@@ -185,7 +185,7 @@ impl<S: Scalar> Landmark<S> {
                 let told = unsure_interval_s.filter(|_| is_second).map(|interval_s| {
                     let since_first_s = interval_s * S::from_i32(i32::from(self.missed) + 1);
                     let earlier = self.state.with_unsure_time(motion, &state.line3, since_first_s);
-                    Range::continued(setup, motion, line, earlier, left_out).0
+                    Range::continued(setup, motion, line, earlier.as_ref(), left_out).0
                 });
                 self.state = state;
                 self.contrast = line.contrast();
