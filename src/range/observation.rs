@@ -27,6 +27,10 @@ impl<S: Scalar> Normal<S> {
         let [x, _, z] = normal;
         Self { x, z, moved: dot(normal, position) }
     }
+
+    fn less(&self, other: &Self) -> Self {
+        Self { x: self.x - other.x, z: self.z - other.z, moved: self.moved - other.moved }
+    }
 }
 
 /// The ray of a sample against the two directions that an edge is made of: twelve numbers, and its noise.
@@ -133,6 +137,11 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
 }
 
 impl<S: Scalar> Observation<S> {
+    /// How much further along the row this one misses a line than another one nearby.
+    pub(super) fn less(self, other: &Self) -> Self {
+        Self { down: self.down.less(&other.down), lean: self.lean.less(&other.lean), ..self }
+    }
+
     pub(super) fn with_sigma(self, sigma_px: S) -> Self {
         Self { sigma_px, per_sigma: over(sigma_px), ..self }
     }
