@@ -5,8 +5,8 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    LEAST_STITCH_POINTS, LIKE_ROWS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
-    NO_TURN_Q16, SCATTER_POINTS,
+    LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16,
+    SCATTER_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
@@ -95,17 +95,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// Sigma of the last row by itself.
     fn row_sigma_q16(&self) -> u32 {
-        let like_rows = if self.is_beside_texture { LIKE_ROWS } else { 1 };
-        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16) / like_rows
+        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16)
     }
 
-    /// What sigma of an edge to state: beside texture no less than the edges scatter, and more for what they have in common with
-    /// the rows around them.
+    /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the rows around
+    /// them the residuals of the fit will show.
     fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
-        if !self.is_beside_texture {
-            return sigma_q16;
-        }
-        sigma_q16.max(self.scatter_sigma_q16()).min(EdgePoint::MAX_SIGMA_Q16 / LIKE_ROWS) * LIKE_ROWS
+        if self.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
     }
 
     /// One sigma of normal values is 5/4 of their mean size.

@@ -57,9 +57,6 @@ pub(super) const MOST_SCATTER_Q16: u16 = 1 << 15;
 pub(super) const ROWS_ALIKE: u32 = 2;
 pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = ALIKE_ROWS as u32;
 
-/// Root of the number of rows in which texture errs alike (`clutter::crossing_bars_lead_no_line_astray`).
-pub(super) const LIKE_ROWS: u32 = 2;
-
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: u32 = 48 << 16;
 
