@@ -27,6 +27,10 @@ impl<S: Scalar> Normal<S> {
         let [x, _, z] = normal;
         Self { x, z, moved: dot(normal, position) }
     }
+
+    fn less(&self, other: &Self) -> Self {
+        Self { x: self.x - other.x, z: self.z - other.z, moved: self.moved - other.moved }
+    }
 }
 
 /// A ray against the two directions that an edge is made of.
@@ -39,6 +43,13 @@ pub(crate) struct Normals<S> {
     /// Their changes by a pixel along the row.
     pub(crate) down_per_px: Normal<S>,
     pub(crate) lean_per_px: Normal<S>,
+}
+
+impl<S: Scalar> Normals<S> {
+    /// How much further along the row this one misses a line than another one nearby.
+    pub(super) fn less(self, other: &Self) -> Self {
+        Self { down: self.down.less(&other.down), lean: self.lean.less(&other.lean), ..self }
+    }
 }
 
 /// A sample as a ray, and its noise.

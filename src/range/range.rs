@@ -1,6 +1,6 @@
 //! [`Range`]: what is told of one line.
 
-use super::blur::{BlurMeasurement, LensBlurMeasurement};
+use super::blur::{BlurMeasurement, LensBlurMeasurement, Path};
 use super::estimate::{Estimate, Interval, Sigmas};
 use super::fit::{Fitted, fit_with};
 use super::goodness_of_fit::GoodnessOfFit;
@@ -183,13 +183,13 @@ impl<S: Scalar> Range<S> {
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
     fn compare_with_blur(&mut self, blur: &BlurMeasurement<S>, line3: &Line3<S>, blur_entered: bool) {
-        let path = blur.path_px(&line3.unknowns());
-        let relative_sigma = self.estimate.relative_sigma();
+        let path = blur.path(&line3.unknowns());
+        let sigma_per_m = self.estimate.sigma_inverse_depth_per_m;
         // An edge whose depth comes from its blur tells nothing of the lens, unless it hardly moves.
-        let tells = |path: &S| !blur_entered || path.abs() < S::ONE;
-        self.lens_blur = path.filter(tells).and_then(|path| blur.of_lens(path, relative_sigma));
+        let tells = |path: &Path<S>| !blur_entered || path.mean_square_px2() < S::ONE;
+        self.lens_blur = path.filter(tells).and_then(|path| blur.of_lens(&path, sigma_per_m));
         // Where the edge leaves the row within the exposure, there is no upright edge.
-        let is_consistent = path.is_some_and(|path| blur.is_consistent(path.abs(), relative_sigma));
+        let is_consistent = path.is_some_and(|path| blur.is_consistent(&path, sigma_per_m));
         self.status = self.status.unless(Objection::Blur, !is_consistent);
     }
 
