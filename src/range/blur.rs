@@ -93,7 +93,8 @@ impl<S: Scalar> BlurMeasurement<S> {
 
     /// One sigma of the logarithm, the lens's own blur included.
     fn joint_sigma_ln(&self, path: &Path<S>) -> S {
-        hypot(self.sigma_ln, self.per_lens_px(path) * self.sigma_lens_px)
+        let of_lens = self.per_lens_px(path) * self.sigma_lens_px;
+        (self.sigma_ln * self.sigma_ln).plus_product(of_lens, of_lens).sqrt()
     }
 
     /// Path along the row during the exposure.

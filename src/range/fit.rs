@@ -135,7 +135,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             }
             let seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
             let stretch = Stretch::of(&sample, seen.sigma_px, rows_per_s);
-            let seen = seen.with_sigma(stretch.rough_sigma_px(roughness_px));
+            let is_rough = roughness_px > S::ZERO;
+            let seen = if is_rough { seen.with_sigma(stretch.rough_sigma_px(roughness_px)) } else { seen };
             let observation = Observation { is_inlier: !prior.left_out.contains(index), ..seen };
             self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
             self.stretches.push(stretch).map_err(|_| FitError::TooManySamples)?;
@@ -149,7 +150,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         if self.prior.state.is_some() {
             return self.settle_in_front(start);
         }
-        let (first, may_be_straight) = self.first_without_far_samples(start)?;
+        let (first, may_be_straight) = self.first_without_far_samples()?;
         if !may_be_straight {
             return self.settle(&first.found);
         }

@@ -7,7 +7,6 @@ use super::problem::{Problem, Solved};
 use super::tuning::{
     FAR_SIGMAS, MOST_REJECTIONS, MOST_SCATTER, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS,
 };
-use super::unknowns::Unknowns;
 use crate::error::FitError;
 use crate::scalar::Scalar;
 
@@ -15,8 +14,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// The first round, without the samples that are so far off that even its equations tell: with them the rounds would lead
     /// nowhere. And whether what is left may be a straight edge.
     #[inline(never)]
-    pub(super) fn first_without_far_samples(&mut self, start: &Unknowns<S>) -> Result<(Solved<S>, bool), FitError> {
-        let first = self.first_round(start)?;
+    pub(super) fn first_without_far_samples(&mut self) -> Result<(Solved<S>, bool), FitError> {
+        let first = self.first_round()?;
         let sizes = self.deviations(&first.solution, &[]);
         let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
         if !(part > S::from_i32(FAR_SIGMAS)) {
@@ -27,7 +26,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         // Some or none: its equations have been reweighted.
         let _ = self.reject_outliers(&first.solution);
-        let first = self.first_round(start)?;
+        let first = self.first_round()?;
         Ok((first, self.may_be_straight(&first.solution)))
     }
 

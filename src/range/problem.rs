@@ -57,7 +57,11 @@ enum Round {
 /// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in front of
 /// the camera.
 fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Round) -> Option<(Equation<S>, bool)> {
-    let residual = at.residual(&observation.normals);
+    let normals = &observation.normals;
+    let residual = match round {
+        Round::First => normals.residual_of_nothing(),
+        Round::Later => at.residual(normals),
+    };
     if !(residual.per_bearing.abs() > S::ratio(LEAST_CROSSING.0, LEAST_CROSSING.1)) {
         return None;
     }
@@ -68,10 +72,10 @@ fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Rou
     let per_miss = observation.per_sigma / residual.per_px;
     let y = -(residual.miss * per_miss);
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
-    let [one_per_px, q_per_px] = at.change_along_row(&observation.normals);
-    if round == Round::Later && !(one_per_px == S::ZERO && q_per_px == S::ZERO) {
-        let off_px = y * observation.sigma_px;
-        (one, q) = (one + one_per_px * off_px, q + q_per_px * off_px);
+    let change = if round == Round::Later { at.change_along_row(normals) } else { [S::ZERO; 2] };
+    if change != [S::ZERO; 2] {
+        let ([one_per_px, q_per_px], off_px) = (change, y * observation.sigma_px);
+        (one, q) = (one.plus_product(one_per_px, off_px), q.plus_product(q_per_px, off_px));
     }
     let equation = Equation { one: one * per_miss, q: q * per_miss, w: residual.per_tilt * per_miss, y };
     Some((equation, residual.is_in_front()))
@@ -99,8 +103,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// The first round, from nothing: the positions and the prior of the tilt alone.
-    pub(super) fn first_round(&mut self, at: &Unknowns<S>) -> Result<Solved<S>, FitError> {
-        self.round(at, Round::First)
+    pub(super) fn first_round(&mut self) -> Result<Solved<S>, FitError> {
+        self.round(&Unknowns::NOTHING, Round::First)
     }
 
     /// A round once more: its equations are needed, and others have been made since.
