@@ -235,7 +235,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// The next range of those that are ready, in the order of the lines' places in the table. Ask until there is none
     /// after each row or frame: lines that nobody takes keep their places.
     pub fn next_range<S: Scalar, M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M) -> Option<Range<S>> {
-        self.tracker.next_line().map(|line| Range::from_line(setup, motion, &line))
+        let range = self.placed_line().map(|(_, line)| Range::from_line(setup, motion, line));
+        self.leave_line();
+        range
     }
 
     /// The next line of those that are ready, for those who range it themselves.
@@ -243,10 +245,15 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.tracker.next_line()
     }
 
-    /// The next line with its place in the table.
-    pub(crate) fn next_placed_line(&mut self) -> Option<(usize, Line<KNOTS>)> {
+    /// The line that [`next_line`](Self::next_line) would take, in its place in the table: there it needs no other room.
+    pub(crate) fn placed_line(&self) -> Option<(usize, &Line<KNOTS>)> {
         let place = self.tracker.ended().next_back()?;
-        self.tracker.next_line().map(|line| (place, line))
+        Some((place, self.tracker.line_at(place)?))
+    }
+
+    /// Gives up that line.
+    pub(crate) fn leave_line(&mut self) {
+        let _ = self.tracker.next_line();
     }
 
     /// The places of the lines that are ready.

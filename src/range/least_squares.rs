@@ -37,9 +37,7 @@ pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) 
     }
     let per_qq = over(qq);
     let (c, rho) = (qw * per_qq, qy * per_qq);
-    let none = S::ZERO;
-    let mut solution =
-        Solution { mean_q, mean_w, mean_y, weight, qq, c, ww: none, rho, beta: none, inverse_depth: rho };
+    let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, rho, inverse_depth: rho, ..Solution::NOTHING };
     if equations.has_tilt {
         let (mut ww, mut wy) = (S::ZERO, S::ZERO);
         for equation in equations.iter() {
@@ -74,6 +72,20 @@ fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
 }
 
 impl<S: Scalar> Solution<S> {
+    /// Of no equations.
+    pub(super) const NOTHING: Self = Self {
+        mean_q: S::ZERO,
+        mean_w: S::ZERO,
+        mean_y: S::ZERO,
+        weight: S::ZERO,
+        qq: S::ZERO,
+        c: S::ZERO,
+        ww: S::ZERO,
+        rho: S::ZERO,
+        beta: S::ZERO,
+        inverse_depth: S::ZERO,
+    };
+
     /// The part of w that is orthogonal to q: what of the tilt does not look like depth.
     fn across(&self, equation: &Equation<S>) -> S {
         equation.w.minus_product(self.c, equation.q)

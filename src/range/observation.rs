@@ -45,13 +45,6 @@ pub(crate) struct Normals<S> {
     pub(crate) lean_per_px: Normal<S>,
 }
 
-impl<S: Scalar> Normals<S> {
-    /// How much further along the row this one misses a line than another one nearby.
-    pub(super) fn less(self, other: &Self) -> Self {
-        Self { down: self.down.less(&other.down), lean: self.lean.less(&other.lean), ..self }
-    }
-}
-
 /// A sample as a ray, and its noise.
 #[derive(Clone, Copy)]
 pub(crate) struct Observation<S> {
@@ -100,26 +93,36 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let span = self.camera.rays(at, half, &mut self.last)?;
         let rays = self.rays(&span, sample.time_s, spread.time_s);
         let Rays { direction, along_row, position, .. } = rays;
-        let mut down = Normal::of(direction, self.gravity, position);
+        let [mut down, lean] = self.normals(direction, position);
+        let [down_per_px, lean_per_px] = self.normals(along_row, position);
         // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and that
         // of a product the product of the means and this. What it would add to the lean is the product of two small numbers.
         down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
-        let normals = Normals {
-            down,
-            lean: Normal::of_flat(direction, self.lean, position),
-            down_per_px: Normal::of(along_row, self.gravity, position),
-            lean_per_px: Normal::of_flat(along_row, self.lean, position),
-        };
         Some(Observation {
-            normals,
+            normals: Normals { down, lean, down_per_px, lean_per_px },
             bearings: span.middle,
             time_s: sample.time_s,
             sigma_px,
             per_sigma: over(sigma_px),
             is_inlier: true,
         })
+    }
+
+    /// What the ray of a point at the start of a time differs by from that at its end.
+    pub(super) fn sweep(&mut self, point: &Sample<S>, half_s: S) -> Option<Normals<S>> {
+        let span = self.camera.rays([point.column_px, point.row_px], [S::ZERO; 2], &mut self.last)?;
+        let [start, end] = [-half_s, half_s].map(|off_s| self.rays(&span, point.time_s + off_s, S::ZERO));
+        let [down, lean] = self.normals(start.direction, start.position);
+        let [down_later, lean_later] = self.normals(end.direction, end.position);
+        let [down_per_px, lean_per_px] = self.normals(start.along_row, start.position);
+        Some(Normals { down: down.less(&down_later), lean: lean.less(&lean_later), down_per_px, lean_per_px })
+    }
+
+    /// Those through a ray and the two directions that an edge is made of.
+    fn normals(&self, ray: [S; 3], position: [S; 3]) -> [Normal<S>; 2] {
+        [Normal::of(ray, self.gravity, position), Normal::of_flat(ray, self.lean, position)]
     }
 
     /// The rays in the axes of frame start, where they look and where from.

@@ -192,14 +192,14 @@ impl<S: Scalar> Landmark<S> {
         let begins_anew = has_moved || is_refuted;
         let earlier = (!begins_anew).then_some(&self.state);
         let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
-        match state.filter(|_| is_informative(range.status)) {
-            Some(state) => {
+        match &state {
+            Some(state) if is_informative(range.status) => {
                 let is_second = self.frames == 1 && !begins_anew;
                 let told = unsure_interval_s.filter(|_| is_second).map(|interval_s| {
                     let since_first_s = interval_s * S::from_i32(i32::from(self.missed) + 1);
                     UnsureTime { earlier: self.state.with_unsure_time(motion, &state.line3, since_first_s) }
                 });
-                self.state = state;
+                self.state = *state;
                 self.contrast = line.contrast();
                 self.extent = self.seen_extent(setup, motion, line).unwrap_or(self.extent);
                 self.frames = if begins_anew { 1 } else { self.frames.saturating_add(1) };
@@ -208,7 +208,7 @@ impl<S: Scalar> Landmark<S> {
                 self.chance = self.chance * expected.min(S::ONE);
                 (range, told)
             }
-            None => {
+            _ => {
                 // The line says nothing: as if it were hidden.
                 self.matched = None;
                 (range, None)

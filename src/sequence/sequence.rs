@@ -118,8 +118,10 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         mut found: impl FnMut(Range<S>),
     ) {
         self.associate(setup, motion, ranger.places(), |place| ranger.line_at(place));
-        while let Some((place, line)) = ranger.next_placed_line() {
-            found(self.continue_line(setup, motion, place, &line));
+        while let Some((place, line)) = ranger.placed_line() {
+            let range = self.continue_line(setup, motion, place, line);
+            ranger.leave_line();
+            found(range);
         }
         self.landmarks.count_missed();
     }
@@ -218,16 +220,27 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         if self.take_census(setup, motion, &line_at) {
             return;
         }
-        let axes = self.landmarks.axes(motion);
-        let known = self.landmarks.known();
-        let lines = || places.clone().filter_map(|place| LineObservation::new(setup, motion, &axes, line_at(place)?));
-        let shift = Vote::new(setup, motion, known, self.interval_s).shift(lines);
+        let shift = self.shift(setup, motion, places.clone(), &line_at);
         self.continuity = shift.map_or(Continuity::Restarted, |shift| self.follow(setup, motion, &shift));
         self.landmarks.match_lines(setup, motion, places, &line_at);
         if self.continuity == Continuity::Restarted || !self.take_census(setup, motion, &line_at) {
             self.clear();
             self.continuity = Continuity::Restarted;
         }
+    }
+
+    /// By how much the frame was taken at another time than told, if its lines agree on that.
+    #[inline(never)]
+    fn shift<'l, M: Motion<S>, const KNOTS: usize>(
+        &self,
+        setup: &Setup<S>,
+        motion: &M,
+        places: impl Iterator<Item = usize> + Clone,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
+    ) -> Option<TimeShift<S>> {
+        let axes = self.landmarks.axes(motion);
+        let lines = || places.clone().filter_map(|place| LineObservation::new(setup, motion, &axes, line_at(place)?));
+        Vote::new(setup, motion, self.landmarks.known(), self.interval_s).shift(lines)
     }
 
     /// Asks the known edges, and answers whether most are where they should be.
