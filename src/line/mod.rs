@@ -8,10 +8,12 @@ mod line;
 mod association;
 mod filter;
 mod track;
+mod slot;
 mod jump;
 mod counters;
 mod explained;
 mod demand;
+mod candidates;
 mod tracker;
 
 pub use counters::Counters;

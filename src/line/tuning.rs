@@ -11,7 +11,7 @@ pub(super) const ALIKE_ROWS: u64 = 8;
 /// Where the texture around a line is looked at, in pixels beyond its blur: within a few gates, on either side.
 pub(super) const AROUND_PX: [i32; 8] = [-8, 12, -16, 20, -24, 28, -32, 36];
 
-/// One of these places is looked at in every second row, so that each is seen again after 16 rows: texture has changed by
+/// The line and one of these places are looked at in every second row, so that each is seen again after 16 rows: texture has changed by
 /// then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences with more).
 pub(super) const LOOK_ROWS: u16 = 2;
 
@@ -43,6 +43,10 @@ pub(super) const NO_TURN_Q16: u64 = 1 << 10;
 /// Points in succession that the model has not located, after which it is made anew: it was made from something else
 /// (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const MOST_UNEXPECTED_POINTS: u8 = 8;
+
+/// Points after which the gate of a line is renewed: with 16 the edges of round posts that wander are lost now and then
+/// (`real_cameras::round_posts_lit_from_the_side`).
+pub(super) const RENEWAL_POINTS: u16 = 4;
 
 /// From so many points on they tell how much they scatter, as a mean over the second number of points
 /// (`clutter::crossing_bars_lead_no_line_astray`).
