@@ -157,7 +157,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        self.scanner.scan_beside(pixels, &explained.columns(row), |point| {
+        let mut columns: Vec<_, LINES> = Vec::new();
+        explained.add_columns(row, &mut columns);
+        self.scanner.scan_beside(pixels, &columns, |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();

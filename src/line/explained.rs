@@ -53,12 +53,12 @@ impl<const LINES: usize> Explained<LINES> {
         }
     }
 
-    /// The columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line would never be
+    /// Adds the columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line would never be
     /// seen.
-    pub(crate) fn columns(&self, row: u16) -> Vec<Range<u16>, LINES> {
-        let mut columns = Vec::new();
+    // Into a list that is there, since each one that is returned is copied.
+    pub(crate) fn add_columns(&self, row: u16, columns: &mut Vec<Range<u16>, LINES>) {
         if row.is_multiple_of(LOOK_BESIDE_ROWS) {
-            return columns;
+            return;
         }
         for edge in self.edges.iter().filter(|edge| edge.is_alone) {
             let reach_q16 = edge.reach_q16 + WINDOW_Q16;
@@ -67,7 +67,6 @@ impl<const LINES: usize> Explained<LINES> {
             let (from_q16, to_q16) = (edge.column_q16 - reach_q16, edge.column_q16.saturating_add(reach_q16));
             let _ = columns.push(column(from_q16)..column(to_q16));
         }
-        columns
     }
 
     /// Removes the scanned points that are explained. Returns how many of them are no line's own point once more.

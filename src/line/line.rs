@@ -215,10 +215,14 @@ impl<const KNOTS: usize> Line<KNOTS> {
     fn merge(&mut self) {
         let pairs = self.knots.len().div_ceil(2);
         for pair in 0..pairs {
-            let [first, second] = [2 * pair, 2 * pair + 1].map(|index| self.knots.get(index).copied());
-            if let (Some(sum), Some(mut first)) = (self.knots.get_mut(pair), first) {
+            let second = self.knots.get(2 * pair + 1).copied();
+            let first = self.knots.get_mut(2 * pair);
+            let sum = first.map(|first| {
                 second.iter().for_each(|second| first.add(second));
-                *sum = first;
+                *first
+            });
+            if let (Some(place), Some(sum)) = (self.knots.get_mut(pair), sum) {
+                *place = sum;
             }
         }
         self.knots.truncate(pairs);

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::tuning::{ALIKE_ROWS, AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS};
+use super::tuning::{AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE};
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
 
@@ -37,7 +37,7 @@ impl Prominence {
         // Rows without a point have no contrast; the mean of n rows has √(8/n) of the deviation of one.
         let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
         let square = mean_q8 * mean_q8 * ((points * seen_q8 * seen_q8 * seen_q8) >> 24);
-        square < CHANCE_SIGMAS * CHANCE_SIGMAS * ALIKE_ROWS * sigma_q8 * sigma_q8
+        square < CHANCE_SIGMAS * CHANCE_SIGMAS * u64::from(ROWS_ALIKE_IN_TEXTURE) * sigma_q8 * sigma_q8
     }
 
     /// Mean contrast in grey levels; zero where none was looked at.

@@ -9,7 +9,8 @@ use super::demand::Demand;
 use super::explained::Explained;
 use super::jump::Jump;
 use super::line::Line;
-use super::slot::Slot;
+use super::stitch::stitch_all;
+use super::table::Table;
 use super::track::{RowTime, State, Track};
 use super::tuning::YOUNG_POINTS;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
@@ -27,22 +28,15 @@ use crate::setup::{Limits, Readout};
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize> {
-    tracks: [Slot<KNOTS>; LINES],
+    table: Table<LINES, KNOTS>,
     counters: Counters,
-    /// Places of the lines under way, and of those that have ended and wait to be taken.
-    under_way: Vec<u16, LINES>,
-    ended: Vec<u16, LINES>,
-    /// No place before this one is free.
-    occupied: usize,
 }
 
 impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// An empty tracker.
     #[must_use]
     pub(crate) const fn new() -> Self {
-        const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
-        let tracks = [const { Slot::Free }; LINES];
-        Self { tracks, counters: Counters::ZERO, under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
+        Self { table: Table::new(), counters: Counters::ZERO }
     }
 
     /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at may
@@ -51,7 +45,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Returns a row at which all lines jump, if that is seen now.
     #[must_use]
     pub(crate) fn row(&mut self, limits: &Limits, columns: u16, row: u16, points: &[EdgePoint]) -> Option<u16> {
-        self.occupied = 0;
+        self.table.look_for_places();
         if !points.is_empty() {
             let mut candidates = Candidates::new();
             self.expect(limits, row, &mut candidates);
@@ -66,7 +60,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return None;
         }
         let jump = self.jump(columns, row);
-        self.stitch_all(limits, row);
+        stitch_all(&mut self.table, limits, row);
         jump
     }
 
@@ -76,14 +70,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let is_asked = |track: &&Track<KNOTS>| {
             track.state == State::Confirmed && track.line.points() == YOUNG_POINTS && track.line.last().row == row
         };
-        let begun_in = self.tracks_under_way().find(is_asked)?.line.first().row;
+        let begun_in = self.table.tracks_under_way().find(is_asked)?.line.first().row;
         let mut jump: Jump<LINES> = Jump::new(columns);
-        self.tracks_under_way().for_each(|track| jump.add(track, row, row.abs_diff(begun_in)));
+        self.table.tracks_under_way().for_each(|track| jump.add(track, row, row.abs_diff(begun_in)));
         jump.is_common().then_some(begun_in)
-    }
-
-    fn tracks_under_way(&self) -> impl Iterator<Item = &Track<KNOTS>> {
-        self.under_way.iter().filter_map(|place| self.tracks.get(usize::from(*place))?.track())
     }
 
     /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain. To be called before
@@ -102,8 +92,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let Some(candidate) = candidates.get(index).filter(|candidate| candidate.role == Role::Confirmed) else {
                 continue;
             };
-            let slot = self.tracks.get_mut(usize::from(candidate.slot)).filter(|_| !candidate.prediction.coasting);
-            if let Some(track) = slot.and_then(Slot::track_mut)
+            if !candidate.prediction.coasting
+                && let Some(track) = self.table.track_mut(candidate.slot)
                 && track.locate(&candidate.prediction, at, pixels, candidates.around(index), limits)
             {
                 candidates.mark_located(index);
@@ -114,7 +104,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         // Others may lie near them, also hidden ones, which another one may continue.
         let others = || candidates.iter().filter(|other| !other.is_located);
         for line in candidates.iter().filter(|line| line.is_located) {
-            if let Some(track) = self.tracks.get(usize::from(line.slot)).and_then(Slot::track) {
+            if let Some(track) = self.table.track(line.slot) {
                 explained.add(track.line.last(), others().map(|other| other.prediction.column_q16));
             }
         }
@@ -133,7 +123,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Restricts what is asked for where no place is free: to be called before the points that are left are refined.
     pub(crate) fn demand(&mut self, limits: &Limits, row: u16, demand: &mut Demand<LINES>) {
-        if self.under_way.len() + self.ended.len() >= LINES {
+        if self.table.is_full() {
             let mut candidates = Candidates::new();
             self.expect(limits, row, &mut candidates);
             let asks = candidates.iter().filter(|candidate| candidate.role != Role::Waiting);
@@ -143,11 +133,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Looks at what is around the confirmed lines that this row has shown, and gives those that are new a model of their edge.
     pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
-        for index in 0..self.under_way.len() {
-            let Some(place) = self.under_way.get(index).map(|place| usize::from(*place)) else { return };
-            let track = self.tracks.get_mut(place).and_then(Slot::track_mut);
+        for index in 0..self.table.under_way().len() {
+            let Some(place) = self.table.under_way().get(index).copied() else { return };
             let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-            if let Some(track) = track.filter(is_seen) {
+            if let Some(track) = self.table.track_mut(place).filter(is_seen) {
                 track.look_around(pixels);
                 if track.model.is_none() {
                     self.learn(place, pixels, noise_q8);
@@ -157,49 +146,50 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Gives a line a model of its edge, from the row in which it was last seen.
-    fn learn<P: Pixels>(&mut self, place: usize, pixels: PixelRow<'_, P>, noise_q8: u32) -> Option<()> {
-        let point = *self.tracks.get(place)?.track()?.line.last();
-        let others = self.tracks_under_way().map(|track| track.line.last());
+    fn learn<P: Pixels>(&mut self, place: u16, pixels: PixelRow<'_, P>, noise_q8: u32) -> Option<()> {
+        let point = *self.table.track(place)?.line.last();
+        let others = self.table.tracks_under_way().map(|track| track.line.last());
         let around = Neighbours::among(others.filter(|other| other.row == point.row), &point);
         let model = EdgeModel::settled(pixels, &point, around, noise_q8);
-        self.tracks.get_mut(place)?.track_mut()?.set_model(model);
+        self.table.track_mut(place)?.set_model(model);
         Some(())
     }
 
     /// Takes the times of all lines of this frame from the readout.
     pub(crate) fn retime(&mut self, readout: &Readout) {
-        for track in self.tracks.iter_mut().filter_map(Slot::track_mut) {
+        for track in self.table.tracks_mut() {
             track.line.retime(readout);
         }
     }
 
     /// Forgets all lines under way because the frame is torn. Their points are stray.
     pub(crate) fn abandon(&mut self) {
-        while let Some(place) = self.under_way.pop() {
-            self.forget(place);
+        while let Some(place) = self.table.leave_out_last() {
+            let strays = self.table.forget(place);
+            self.count_stray(strays);
         }
     }
 
     /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
-        while let Some(place) = self.under_way.pop() {
-            self.finish(place);
+        while let Some(place) = self.table.leave_out_last() {
+            let strays = self.table.finish(place);
+            self.count_stray(strays);
         }
     }
 
     /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
     pub(crate) fn next_line(&mut self) -> Option<Line<KNOTS>> {
-        let place = self.ended.pop()?;
-        self.tracks.get_mut(usize::from(place))?.take().map(|track| track.line)
+        self.table.next_line()
     }
 
     /// Places of the lines that have ended; [`Tracker::next_line`] takes the last one.
     pub(crate) fn ended(&self) -> impl DoubleEndedIterator<Item = usize> + Clone {
-        self.ended.iter().map(|place| usize::from(*place))
+        self.table.ended()
     }
 
     pub(crate) fn line_at(&self, place: usize) -> Option<&Line<KNOTS>> {
-        self.tracks.get(place)?.track().map(|track| &track.line)
+        self.table.track(u16::try_from(place).ok()?).map(|track| &track.line)
     }
 
     /// What came in and what was lost since the tracker was made.
@@ -223,20 +213,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
-    /// Whether the table has room for a continuation of each hidden line, which starts as a line of its own and is then
-    /// stitched. Without room, hidden lines take part in the association themselves.
-    fn has_room_to_stitch(&self) -> bool {
-        let taken = self.under_way.len() + self.ended.len();
-        let hidden = || self.tracks_under_way().filter(|track| track.state == State::Hidden).count();
-        taken + self.under_way.len() <= LINES || taken + hidden() <= LINES
-    }
-
-    /// Adds the lines under way that have no point on this row yet.
+    /// Adds the lines under way that have no point on this row yet. Where there is no room to stitch, hidden lines take part in the
+    /// association themselves.
     fn expect(&mut self, limits: &Limits, row: u16, candidates: &mut Candidates<LINES>) {
-        let (has_room, mut has_moved) = (self.has_room_to_stitch(), false);
-        for place in &self.under_way {
-            let track = self.tracks.get(usize::from(*place)).and_then(Slot::track);
-            if let Some(track) = track.filter(|track| track.line.last().row != row) {
+        let (has_room, mut has_moved) = (self.table.has_room_to_stitch(), false);
+        for place in self.table.under_way() {
+            if let Some(track) = self.table.track(*place).filter(|track| track.line.last().row != row) {
                 let role = match track.state {
                     State::Tentative => Role::Tentative,
                     State::Hidden if has_room => Role::Waiting,
@@ -254,8 +236,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
         candidates.coast_beside_each_other();
         // On the next row they are sorted.
-        if has_moved && candidates.len() == self.under_way.len() {
-            self.under_way.iter_mut().zip(candidates.iter()).for_each(|(place, candidate)| *place = candidate.slot);
+        if has_moved && candidates.len() == self.table.under_way().len() {
+            self.table.set_order(candidates.iter().map(|candidate| candidate.slot));
         }
     }
 
@@ -294,105 +276,39 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             self.count_stray(1);
             return;
         }
-        let track = self.tracks.get_mut(usize::from(pair.slot)).and_then(Slot::track_mut);
-        if !track.is_some_and(|track| track.take_scanned(pair.point, limits)) {
+        if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(pair.point, limits)) {
             self.begin(*pair.point, limits);
         }
     }
 
-    /// Stitches confirmed lines that have just started to hidden ones that they continue.
-    fn stitch_all(&mut self, limits: &Limits, row: u16) {
-        let mut index = 0;
-        while let Some(place) = self.under_way.get(index).copied() {
-            if self.stitch(limits, row, place).is_some() && index < self.under_way.len() {
-                self.leave_out(index);
-            } else {
-                index += 1;
-            }
-        }
-    }
-
-    fn stitch(&mut self, limits: &Limits, row: u16, place: u16) -> Option<()> {
-        let slot = usize::from(place);
-        let young =
-            self.tracks.get(slot)?.track().filter(|young| young.is_stitchable() && young.line.last().row == row)?;
-        let others = self.under_way.iter().filter_map(|other| {
-            let older = self.tracks.get(usize::from(*other))?.track()?;
-            Some((older.stitch_distance(young, limits)?, *other))
-        });
-        let (_, nearest) = others.min()?;
-        let young = self.tracks.get_mut(slot)?.take()?;
-        let joined = self.tracks.get_mut(usize::from(nearest))?.track_mut()?.append_stitched(&young, limits);
-        if !joined {
-            *self.tracks.get_mut(slot)? = Slot::Taken(young);
-            return None;
-        }
-        Some(())
-    }
-
     /// Starts a tentative line, if there is room.
     fn begin(&mut self, point: EdgePoint, limits: &Limits) {
-        let free = self.tracks.iter_mut().enumerate().skip(self.occupied).find(|(_, slot)| slot.is_free());
-        match free {
-            Some((slot, free)) => {
-                *free = Slot::Taken(Track::new(point));
-                // In its place, so that it is not copied once more.
-                if let Some(track) = free.track_mut() {
-                    track.set_gate(limits);
-                }
-                self.occupied = slot + 1;
-                // There is room: one place for each slot.
-                let _ = self.under_way.push(slot as u16);
-            }
+        match self.table.begin(point) {
+            // In its place, so that it is not copied once more.
+            Some(track) => track.set_gate(limits),
             None => {
-                self.occupied = LINES;
                 self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
                 self.count_dropped_point();
             }
         }
     }
 
-    /// Takes a place out of those under way; the last one takes its room. `swap_remove` could panic where code is small.
-    fn leave_out(&mut self, index: usize) {
-        let last = self.under_way.pop();
-        if let (Some(room), Some(last)) = (self.under_way.get_mut(index), last) {
-            *room = last;
-        }
-    }
-
     /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others broke off.
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
         let (mut index, mut has_young) = (0, false);
-        while let Some(place) = self.under_way.get(index).copied() {
-            let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::track_mut);
-            if let Some(track) = track {
+        while let Some(place) = self.table.under_way().get(index).copied() {
+            if let Some(track) = self.table.track_mut(place) {
                 if track.line.last().row == row {
                     has_young |= track.is_young();
                 } else if track.has_missed_too_many(limits) {
-                    self.leave_out(index);
-                    self.finish(place);
+                    self.table.leave_out(index);
+                    let strays = self.table.finish(place);
+                    self.count_stray(strays);
                     continue;
                 }
             }
             index += 1;
         }
         has_young
-    }
-
-    /// Ends a confirmed line and forgets a tentative one.
-    fn finish(&mut self, place: u16) {
-        let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::track_mut);
-        if let Some(track) = track.filter(|track| track.state != State::Tentative) {
-            track.state = State::Ended;
-            // There is room: one place for each slot.
-            let _ = self.ended.push(place);
-        } else {
-            self.forget(place);
-        }
-    }
-
-    fn forget(&mut self, place: u16) {
-        let track = self.tracks.get_mut(usize::from(place)).and_then(Slot::take);
-        self.count_stray(track.map_or(0, |track| u32::from(track.line.points())));
     }
 }
