@@ -6,8 +6,8 @@ use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
-    BLUR_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, LEVEL_ROWS_LOG2,
-    MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    BLUR_ROWS_LOG2, CLASS_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2,
+    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -192,9 +192,12 @@ impl EdgeModel {
         let residual_q16 = fit.residual_q16.min(most_q16) as i32;
         let change_q16 = part(residual_q16 - noise_q16, rows_log2.clamp(LEAST_NOISE_ROWS_LOG2, NOISE_ROWS_LOG2));
         self.noise_q16 = (noise_q16 + change_q16).max(LEAST_NOISE_Q16 as i32) as u32;
-        if rows_log2 < RENEWAL_ROWS_LOG2 + 2 || self.rows.get().is_multiple_of(1 << RENEWAL_ROWS_LOG2) {
-            self.noise_q8 = self.noise_q16.isqrt() as u16;
+        let is_due = |rows: u32| rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << rows);
+        if is_due(CLASS_ROWS_LOG2) {
             self.class = class_of(self.blur_q12, self.class);
+        }
+        if is_due(RENEWAL_ROWS_LOG2) {
+            self.noise_q8 = self.noise_q16.isqrt() as u16;
         }
     }
 }

@@ -5,7 +5,7 @@ use super::weight::Weight;
 
 /// Inner products of the residual with the slope of the expected step and with its change by the width. 32 bits hold the sums of
 /// the longest flank, 47 pixels, whatever its pixels.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Moments {
     /// Of residuals in 1/64 grey level, each at most 64 levels.
     residual_residual: i32,

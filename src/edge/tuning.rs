@@ -85,9 +85,12 @@ pub(super) const BLUR_ROWS_LOG2: u32 = 4;
 pub(super) const LEAST_NOISE_ROWS_LOG2: u32 = 2;
 pub(super) const NOISE_ROWS_LOG2: u32 = 4;
 
-/// Rows, as a power of two, between which the root of the noise changes by less than a twentieth of itself, and the class of the blur
-/// hardly ever: both are told anew only then, and in each of the first rows (`frames::sigma_is_honest`).
-pub(super) const RENEWAL_ROWS_LOG2: u32 = 2;
+/// Rows, as a power of two, between which the root of the noise changes by less than a tenth of itself: it is taken anew only
+/// then, and in each of the first ones (`frames::sigma_is_honest`).
+pub(super) const RENEWAL_ROWS_LOG2: u32 = 4;
+
+/// Likewise for the class of the blur, which changes with it (`real_cameras::round_posts_lit_from_the_side` with 16 rows).
+pub(super) const CLASS_ROWS_LOG2: u32 = 2;
 
 /// A row whose residual variance is so many times that of the rows before shows something else
 /// (`clutter::crossing_bars_lead_no_line_astray`).
