@@ -10,8 +10,8 @@ use crate::scenes::{TENTH_DEGREE, line_of, q16, reference_lines};
 const SIGMA_PX: f64 = 0.05;
 
 /// A line, and the camera that sees it.
-struct Case {
-    scene: Scene,
+pub(crate) struct Case {
+    pub(crate) scene: Scene,
     sigma_tilt: f64,
     points: Vec<EdgePoint>,
 }
@@ -44,7 +44,7 @@ fn unit(vector: [f64; 3]) -> [f64; 3] {
 
 /// 0.2 to 30 m/s, 0.3 to 50 m, 5 to 100 ms, focal lengths of half to twice the width of images from 96 to 4096 columns; level
 /// or up to 20° askew, straight on or turning at up to 3 rad/s.
-fn anywhere(random: &mut StdRng) -> Case {
+pub(crate) fn anywhere(random: &mut StdRng) -> Case {
     let is_level = random.random::<bool>();
     let turns = random.random::<bool>();
     let sigma_tilt = if random.random::<bool>() { TENTH_DEGREE } else { 0.0 };

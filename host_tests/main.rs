@@ -30,6 +30,7 @@ mod knots;
 mod least_squares;
 mod measure;
 mod messages;
+mod minima;
 mod monte_carlo;
 mod outliers;
 mod plan;

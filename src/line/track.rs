@@ -6,7 +6,7 @@ use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
     LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16,
-    RENEWAL_POINTS, ROWS_ALIKE_IN_TEXTURE, SCATTER_POINTS, YOUNG_POINTS,
+    RENEWAL_POINTS, SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
@@ -30,9 +30,6 @@ pub(crate) struct Track<const KNOTS: usize> {
     /// It has been beside texture: its edges are stated to be as noisy as they scatter.
     is_beside_texture: bool,
 }
-
-/// What a sigma beside texture is stated larger by, since rows there err alike: the root of their number.
-const TEXTURE_SIGMAS: u32 = ROWS_ALIKE_IN_TEXTURE.isqrt();
 
 /// What may become of a line next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -125,17 +122,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// Sigma of the last row by itself.
     fn row_sigma_q16(&self) -> u32 {
-        let sigmas = if self.is_beside_texture { TEXTURE_SIGMAS } else { 1 };
-        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16) / sigmas
+        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16)
     }
 
-    /// What sigma of an edge to state: beside texture no less than the edges scatter, and more for what they have in common with
-    /// the rows around them.
+    /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the rows around
+    /// them the residuals of the fit will show.
     fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
-        if !self.is_beside_texture {
-            return sigma_q16;
-        }
-        sigma_q16.max(self.scatter_sigma_q16()).min(EdgePoint::MAX_SIGMA_Q16 / TEXTURE_SIGMAS) * TEXTURE_SIGMAS
+        if self.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
     }
 
     /// One sigma of normal values is 5/4 of their mean size.

@@ -2,8 +2,9 @@
 
 use super::equation::Equation;
 use super::line3::Line3;
-use super::observation::{Observation, Observer};
+use super::observation::{Normals, Observer};
 use super::sample::Sample;
+use super::unknowns::Unknowns;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
 use crate::scalar::{Scalar, hypot, ln, over};
@@ -18,15 +19,19 @@ use crate::setup::Setup;
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
 pub(crate) struct BlurMeasurement<S> {
-    /// The ray of the line's middle at the start and at the end of the exposure.
-    ends: [Observation<S>; 2],
-    /// Variance of the blurred edge.
+    /// In two places of the line, what its ray at the start of the exposure differs by from that at the end.
+    sweeps: [Normals<S>; 2],
+    /// Mean variance of the blurred edge.
     measured_px2: S,
     /// One sigma of its logarithm, from noise and from how far widths can be trusted.
     sigma_ln: S,
     lens_px: S,
     sigma_lens_px: S,
 }
+
+/// Where the two places are, from either end of the line: the mean square of a path that changes linearly along it is that of these two
+/// (Gauss's rule).
+const PLACE: (i32, i32) = (21_132, 100_000);
 
 /// Steps towards the best compromise of positions and blur before the rounds: two leave less than a fiftieth of a sigma, and
 /// save a round.
@@ -54,61 +59,59 @@ impl<S: Scalar> BlurMeasurement<S> {
         // No row's width is off by more than half of it, and at most nine rows in a row err alike.
         let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.points())).sqrt();
         let sigma_px = line.mean_width_sigma_px::<S>().min(most_px);
-        let middle = line.middle_mean::<S>()?;
         let half = blur.exposure_s * S::ratio(1, 2);
-        let mut at = |time_s: S| observer.observe(&Sample { time_s, ..middle });
+        let mut sweep = |sample: Sample<S>| {
+            let mut at = |time_s: S| observer.observe(&Sample { time_s, ..sample }).map(|seen| seen.normals);
+            Some(at(sample.time_s - half)?.less(&at(sample.time_s + half)?))
+        };
+        let place = S::ratio(PLACE.0, PLACE.1);
         // A variance is a square: its logarithm has twice the relative error of the width.
         let relative_sigma = hypot(sigma_px / width_px, setup.sigma_blur());
         Some(Self {
-            ends: [at(middle.time_s - half)?, at(middle.time_s + half)?],
-            measured_px2: width_px * width_px,
+            sweeps: [sweep(line.point_between(place))?, sweep(line.point_between(S::ONE - place))?],
+            measured_px2: line.mean_square_width_px2()?,
             sigma_ln: relative_sigma + relative_sigma,
             lens_px: blur.lens_blur_px,
             sigma_lens_px: blur.sigma_lens_blur_px,
         })
     }
 
-    /// Variance of an edge that moves by a path during the exposure.
-    fn expected_px2(&self, path_px: S) -> S {
-        self.lens_px * self.lens_px + (S::ONE + path_px * path_px) * S::ratio(1, 12)
+    /// Mean variance of an edge that moves by a path during the exposure.
+    fn expected_px2(&self, path: &Path<S>) -> S {
+        self.lens_px * self.lens_px + (S::ONE + path.mean_square_px2()) * S::ratio(1, 12)
     }
 
     /// Logarithm of the measured variance over that of a path.
-    fn excess_ln(&self, path_px: S) -> S {
-        ln(self.measured_px2 / self.expected_px2(path_px))
+    fn excess_ln(&self, path: &Path<S>) -> S {
+        ln(self.measured_px2 / self.expected_px2(path))
     }
 
     /// Change of the logarithm of the expected variance with the lens's blur.
-    fn per_lens_px(&self, path_px: S) -> S {
-        (self.lens_px + self.lens_px) / self.expected_px2(path_px)
+    fn per_lens_px(&self, path: &Path<S>) -> S {
+        (self.lens_px + self.lens_px) / self.expected_px2(path)
     }
 
     /// One sigma of the logarithm, the lens's own blur included.
-    fn joint_sigma_ln(&self, path_px: S) -> S {
-        hypot(self.sigma_ln, self.per_lens_px(path_px) * self.sigma_lens_px)
+    fn joint_sigma_ln(&self, path: &Path<S>) -> S {
+        let of_lens = self.per_lens_px(path) * self.sigma_lens_px;
+        (self.sigma_ln * self.sigma_ln).plus_product(of_lens, of_lens).sqrt()
     }
 
     /// Path along the row during the exposure.
-    fn path(&self, line3: &Line3<S>) -> Option<Path<S>> {
-        let [start, end] = self.ends.each_ref().map(|end| line3.residual(end));
-        Some(Path {
-            px: start.px()? - end.px()?,
-            per_inverse_depth: start.px_per_inverse_depth()? - end.px_per_inverse_depth()?,
-        })
-    }
-
-    /// The same in pixels with its sign.
-    pub(crate) fn path_px(&self, line3: &Line3<S>) -> Option<S> {
-        self.path(line3).map(|path| path.px)
+    pub(super) fn path(&self, unknowns: &Unknowns<S>) -> Option<Path<S>> {
+        let [first, second] = self.sweeps.each_ref().map(|sweep| unknowns.residual(sweep));
+        let per_inverse_depth = [first.px_per_inverse_depth()?, second.px_per_inverse_depth()?];
+        Some(Path::along([first.px()?, second.px()?], per_inverse_depth))
     }
 
     /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they lie, given
     /// what the positions say of the inverse depth, as changes of it, each with what it costs; the better one first.
-    pub(super) fn either_path(&self, line3: &Line3<S>, information: S) -> Option<[PathChoice<S>; 2]> {
-        let path = self.path(line3)?;
-        let blur_px = ((self.measured_px2 - self.expected_px2(S::ZERO)) * S::from_i32(12)).sqrt();
+    pub(super) fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
+        let path = self.path(unknowns)?;
+        let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();
+        let blurred = path.to(blur_px);
         // A sigma of the path is 6 V/B times that of the logarithm.
-        let part = blur_px * S::ratio(1, 6) / (self.expected_px2(blur_px) * self.joint_sigma_ln(blur_px));
+        let part = blur_px * S::ratio(1, 6) / (self.expected_px2(&blurred) * self.joint_sigma_ln(&blurred));
         let (of_path, of_blur) = (path.per_inverse_depth, part * part);
         let of_blur = of_blur * of_path * of_path;
         let share = of_blur * over(of_blur + information);
@@ -128,45 +131,72 @@ impl<S: Scalar> BlurMeasurement<S> {
     /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the slope:
     /// by two sigma. Sharper than that means that the slope is a lean; much more blurred, beside a known lens, that a lean
     /// hides a part of the slope.
-    pub(super) fn is_consistent(&self, path_px: S, relative_sigma: S) -> bool {
-        let two = relative_sigma * S::from_i32(2);
-        let (longer, shorter) = (path_px * (S::ONE + two), path_px * (S::ONE - two).max(S::ZERO));
-        let most = |path_px| self.joint_sigma_ln(path_px) * S::from_i32(MOST_SIGMAS);
+    pub(super) fn is_consistent(&self, path: &Path<S>, sigma_per_m: S) -> bool {
+        let sigma_px = path.per_inverse_depth * sigma_per_m;
+        let longer = path.to(path.px.abs() + sigma_px + sigma_px);
+        let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
+        let most = |path: &Path<S>| self.joint_sigma_ln(path) * S::from_i32(MOST_SIGMAS);
         let softer = S::ratio(SOFTER.0, SOFTER.1);
-        self.excess_ln(shorter) >= -most(shorter) && self.excess_ln(longer) <= ln(softer) + most(longer)
+        self.excess_ln(&shorter) >= -most(&shorter) && self.excess_ln(&longer) <= ln(softer) + most(&longer)
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.
-    pub(super) fn of_lens(&self, path_px: S, relative_sigma: S) -> Option<LensBlurMeasurement<S>> {
-        let sigma_of_path_px2 = path_px * path_px * S::ratio(1, 6) * relative_sigma.min(S::ONE);
-        let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path_px);
+    pub(super) fn of_lens(&self, path: &Path<S>, sigma_per_m: S) -> Option<LensBlurMeasurement<S>> {
+        let path_px = path.px.abs();
+        let sigma_of_path_px2 = path_px * S::ratio(1, 6) * (path.per_inverse_depth * sigma_per_m).min(path_px);
+        let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path);
         let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, sigma_of_path_px2);
         (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
     }
 
     /// Change of the inverse depth at which positions and blur agree best, linearised about a first guess of it.
     fn compromise(&self, path: &Path<S>, information: S, change_per_m: S) -> S {
-        let path_px = path.px + change_per_m * path.per_inverse_depth;
-        let per_sigma = over(self.joint_sigma_ln(path_px));
-        let q = path_px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(path_px) * per_sigma;
-        q * (q * change_per_m + self.excess_ln(path_px) * per_sigma) * over(q * q + information)
+        let path = path.to(path.px + change_per_m * path.per_inverse_depth);
+        let per_sigma = over(self.joint_sigma_ln(&path));
+        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path) * per_sigma;
+        q * (q * change_per_m + self.excess_ln(&path) * per_sigma) * over(q * q + information)
     }
 
-    /// Linearised about `line3`, and what a pixel of the lens's own blur takes from its y.
-    pub(super) fn equation(&self, line3: &Line3<S>) -> Option<(Equation<S>, S)> {
-        let path = self.path(line3)?;
-        let per_sigma = over(self.joint_sigma_ln(path.px));
-        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(path.px);
-        let equation = Equation { q, y: self.excess_ln(path.px), ..Equation::NOTHING };
-        Some((equation.scaled(per_sigma), self.per_lens_px(path.px) * per_sigma))
+    /// Linearised about `unknowns`, and what a pixel of the lens's own blur takes from its y.
+    pub(super) fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)> {
+        let path = self.path(unknowns)?;
+        let per_sigma = over(self.joint_sigma_ln(&path));
+        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path);
+        let equation = Equation { q, y: self.excess_ln(&path), ..Equation::NOTHING };
+        Some((equation.scaled(per_sigma), self.per_lens_px(&path) * per_sigma))
     }
 }
 
-/// A path along the row in pixels, and its change with the inverse depth. Translation moves the ends in proportion to the
-/// inverse depth; rotation does so at any depth.
-struct Path<S> {
+/// The mean square of a path along the row, over the line, as a function of the inverse depth: translation moves a ray in proportion
+/// to the inverse depth, rotation does so at any depth.
+#[derive(Clone, Copy)]
+pub(super) struct Path<S> {
+    /// What changes with the inverse depth, in pixels: zero where the path is shortest.
     px: S,
+    /// Not negative.
     per_inverse_depth: S,
+    /// Square of what is left where it is shortest: along the line the path changes, and is not zero everywhere.
+    rest_px2: S,
+}
+
+impl<S: Scalar> Path<S> {
+    /// From the paths in two places.
+    fn along([first, second]: [S; 2], [per_first, per_second]: [S; 2]) -> Self {
+        let mean = |one: S, other: S| (one + other).half();
+        let per_inverse_depth = mean(per_first * per_first, per_second * per_second).sqrt();
+        let px = mean(first * per_first, second * per_second) * over(per_inverse_depth);
+        let rest_px2 = (mean(first * first, second * second) - px * px).max(S::ZERO);
+        Self { px, per_inverse_depth, rest_px2 }
+    }
+
+    /// At another inverse depth.
+    fn to(self, px: S) -> Self {
+        Self { px, ..self }
+    }
+
+    pub(super) fn mean_square_px2(&self) -> S {
+        self.px * self.px + self.rest_px2
+    }
 }
 
 /// A change of the inverse depth to where positions and one direction of the path agree best, and the squares of what both
@@ -196,6 +226,22 @@ impl<const KNOTS: usize> Line<KNOTS> {
         (sum.widths > sum.points / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
     }
 
+    /// Mean square of the measured widths in square pixels, less what noise adds to it; `None` as [`mean_width_px`](Self::mean_width_px).
+    /// Within a knot the widths are averaged first.
+    fn mean_square_width_px2<S: Scalar>(&self) -> Option<S> {
+        let (mean_px, sigma_px) = (self.mean_width_px::<S>()?, self.mean_width_sigma_px::<S>());
+        let (mut squares_q16, mut knots, mut widths) = (0_u64, 0, 0);
+        for knot in self.settled_knots().filter(|knot| knot.widths > 0) {
+            let square_q16 = u64::from(knot.widths_q8) * u64::from(knot.widths_q8) / u64::from(knot.widths);
+            squares_q16 = squares_q16.saturating_add(square_q16);
+            (knots, widths) = (knots + 1, widths + i64::from(knot.widths));
+        }
+        let square_px2 = S::from_ratio(squares_q16.min(i64::MAX as u64) as i64, widths << 16);
+        // The noise of a mean width is at most the stated one, whose half is meant, and that of a row at most half of the width.
+        let most_px2 = mean_px * mean_px / S::from_i64(4 * widths);
+        Some(square_px2 - (sigma_px * sigma_px).half().min(most_px2) * S::from_i32(knots))
+    }
+
     /// One standard deviation of the mean width: a width has one to two times the noise of its column.
     pub(crate) fn mean_width_sigma_px<S: Scalar>(&self) -> S {
         let sum = self.settled();
@@ -206,9 +252,13 @@ impl<const KNOTS: usize> Line<KNOTS> {
     }
 
     /// All knots but the first, unless it is the only one.
+    fn settled_knots(&self) -> impl Iterator<Item = &Knot> {
+        self.knots.iter().skip(usize::from(self.knots.len() > 1))
+    }
+
     fn settled(&self) -> Knot {
         let mut sum = Knot::EMPTY;
-        self.knots.iter().skip(usize::from(self.knots.len() > 1)).for_each(|knot| sum.add(knot));
+        self.settled_knots().for_each(|knot| sum.add(knot));
         sum
     }
 }

@@ -144,11 +144,6 @@ impl<S: Scalar> Estimate<S> {
         where_it_is.into_iter().chain(how_well).chain(parts).all(S::is_finite)
     }
 
-    /// Of the inverse depth.
-    pub(super) fn relative_sigma(&self) -> S {
-        (self.sigma_inverse_depth_per_m / self.inverse_depth_per_m).abs()
-    }
-
     fn interval(&self, sigmas: Sigmas<S>, factor: S) -> Interval<S> {
         let inverse = (self.inverse_depth_per_m, self.sigma_inverse_depth_per_m);
         Interval::of_inverse(inverse, self.status(), sigmas, factor)

@@ -27,6 +27,7 @@ use super::problem::{Problem, Solved};
 use super::sample::{Sample, Spread};
 use super::settled::Settled;
 use super::status::RangeStatus;
+use super::unknowns::Unknowns;
 use super::wander::{Residual, Stretch, Wander};
 use crate::error::FitError;
 use crate::motion::Motion;
@@ -63,15 +64,29 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
     let prior = Prior::new(None, None, S::ONE, SampleSet::default());
-    fit_with::<S, M, N>(setup, motion, &mut samples.into_iter(), &prior).map(|fitted| fitted.estimate)
+    fit_with::<S, M, N>(setup, motion, &mut samples.into_iter(), &prior)?.estimate(setup)
 }
 
-/// An estimate, and what the next frame needs of it.
+/// What the samples have told.
 pub(crate) struct Fitted<S, const N: usize> {
-    pub(crate) estimate: Estimate<S>,
     pub(crate) state: LineState<S>,
+    goodness_of_fit: GoodnessOfFit<S>,
+    /// Whether the camera has the line before it in all rows.
+    is_in_front: bool,
     /// Which of the samples are inliers.
     pub(crate) inliers: Vec<bool, N>,
+}
+
+impl<S: Scalar, const N: usize> Fitted<S, N> {
+    pub(crate) fn estimate(&self, setup: &Setup<S>) -> Result<Estimate<S>, FitError> {
+        let estimate = Estimate::new(&self.state, setup, &self.goodness_of_fit);
+        if !estimate.is_finite() {
+            return Err(FitError::Diverged);
+        }
+        // The equations do not know that a camera passes no edge within a frame.
+        let passes = estimate.status() == RangeStatus::Ok && !self.is_in_front;
+        Ok(Estimate { bent: estimate.bent || passes, ..estimate })
+    }
 }
 
 /// [`fit`] with a prior.
@@ -93,11 +108,11 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     if inliers < least {
         return Err(FitError::TooFewSamples(inliers));
     }
-    let solved = problem.solve(&start)?;
-    let solved = problem.settle_without_outliers(solved)?;
+    let mut solved = problem.solve(&start.unknowns())?;
+    problem.settle_without_outliers(&mut solved)?;
     let goodness_of_fit = problem.goodness_of_fit(&solved);
-    let solved = problem.settle_with_wander(solved)?;
-    problem.conclude(motion, &solved, &goodness_of_fit)
+    problem.settle_with_wander(&mut solved)?;
+    Ok(problem.conclude(motion, &start, &solved, goodness_of_fit))
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
@@ -120,7 +135,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             }
             let seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
             let stretch = Stretch::of(&sample, seen.sigma_px, rows_per_s);
-            let seen = seen.with_sigma(stretch.rough_sigma_px(roughness_px));
+            let is_rough = roughness_px > S::ZERO;
+            let seen = if is_rough { seen.with_sigma(stretch.rough_sigma_px(roughness_px)) } else { seen };
             let observation = Observation { is_inlier: !prior.left_out.contains(index), ..seen };
             self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
             self.stretches.push(stretch).map_err(|_| FitError::TooManySamples)?;
@@ -129,21 +145,22 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// The problem is linear but for tilt, blur, sigmas and the noise in q, which the first round leaves out.
-    fn solve(&mut self, start: &Line3<S>) -> Result<Solved<S>, FitError> {
+    #[inline(never)]
+    fn solve(&mut self, start: &Unknowns<S>) -> Result<Solved<S>, FitError> {
         if self.prior.state.is_some() {
             return self.settle_in_front(start);
         }
-        let (first, may_be_straight) = self.first_without_far_samples(start)?;
+        let (first, may_be_straight) = self.first_without_far_samples()?;
         if !may_be_straight {
-            return self.settle(&first.line3);
+            return self.settle(&first.found);
         }
         self.settle_best(&first)
     }
 
     /// With the sigmas that the residuals call for; the priors stay as they are.
     #[inline(never)]
-    fn settle_with_wander(&mut self, solved: Solved<S>) -> Result<Solved<S>, FitError> {
-        let Some(wander) = self.wander(&solved.solution) else { return Ok(solved) };
+    fn settle_with_wander(&mut self, solved: &mut Solved<S>) -> Result<(), FitError> {
+        let Some(wander) = self.wander(&solved.solution) else { return Ok(()) };
         let observed = self.observations.iter_mut().zip(&mut self.equations.observed);
         for ((observation, equation), stretch) in observed.zip(&self.stretches) {
             let sigma_px = wander.sigma_px(stretch);
@@ -151,7 +168,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             *equation = equation.scaled(per_sigma * observation.sigma_px);
             (observation.sigma_px, observation.per_sigma) = (sigma_px, per_sigma);
         }
-        self.settle_again(&solved)
+        self.settle_again(solved)
     }
 
     /// What the residuals show, unless that is white noise as stated.
@@ -164,9 +181,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let equations = self.equations.observed.iter();
         for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {
             if observation.is_inlier {
-                let (deviation, per_sigma) = (solution.deviation(equation), observation.per_sigma);
                 // There is room: as many as observations.
-                let _ = residuals.push(Residual { stretch, per_sigma, deviation });
+                let _ = residuals.push(Residual::new(stretch, observation.per_sigma, solution.deviation(equation)));
             }
         }
         let uncertainty = self.setup.uncertainty();
@@ -180,28 +196,25 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn conclude<M: Motion<S>>(
         &self,
         motion: &M,
+        axes: &Line3<S>,
         solved: &Solved<S>,
-        goodness_of_fit: &GoodnessOfFit<S>,
-    ) -> Result<Fitted<S, N>, FitError> {
-        let Solved { at, line3, solution, is_in_front, has_settled } = solved;
+        goodness_of_fit: GoodnessOfFit<S>,
+    ) -> Fitted<S, N> {
+        let Solved { at, found, solution, is_in_front, has_settled } = solved;
         let Self { setup, prior, observations, equations, .. } = self;
-        let sensitivity = Settled { setup, motion, prior, observations, equations, at, solution }.sensitivity();
+        let direction = axes.with(*at).direction();
+        let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
+        let sensitivity = settled.sensitivity();
         // Between several places the rounds tell nothing of the depth.
         let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
-        let state = LineState { line3: *line3, covariance: solution.covariance().and(unsettled), sensitivity };
-        let estimate = Estimate::new(&state, setup, goodness_of_fit);
-        if !estimate.is_finite() {
-            return Err(FitError::Diverged);
-        }
-        // The equations do not know that a camera passes no edge within a frame.
-        let passes = estimate.status() == RangeStatus::Ok && !is_in_front;
-        let estimate = Estimate { bent: estimate.bent || passes, ..estimate };
+        let state =
+            LineState { line3: axes.with(*found), covariance: solution.covariance().and(unsettled), sensitivity };
         let mut inliers = Vec::new();
         for observation in observations {
             // There is room: as many as observations. `collect` could panic.
             let _ = inliers.push(observation.is_inlier);
         }
-        Ok(Fitted { estimate, state, inliers })
+        Fitted { state, goodness_of_fit, is_in_front: *is_in_front, inliers }
     }
 
     #[inline(never)]

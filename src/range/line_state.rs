@@ -4,6 +4,7 @@ use super::covariance::Covariance;
 use super::equation::Equation;
 use super::line3::Line3;
 use super::sensitivity::Sensitivity;
+use super::unknowns::Unknowns;
 use crate::scalar::{Scalar, dot, over};
 
 /// Bearing, inverse depth and tilt, their covariance, and their derivatives by shared errors.
@@ -25,10 +26,9 @@ pub(crate) struct Statement<S> {
 }
 
 impl<S: Scalar> Statement<S> {
-    /// About `stated`, for a line that is to be found from `line3` on.
-    pub(super) fn equation(&self, stated: &Line3<S>, line3: &Line3<S>) -> Equation<S> {
-        let off =
-            [stated.bearing - line3.bearing, stated.inverse_depth - line3.inverse_depth, stated.tilt - line3.tilt];
+    /// About `stated`, for a line that is to be found from `at` on.
+    pub(super) fn equation(&self, stated: &Line3<S>, at: &Unknowns<S>) -> Equation<S> {
+        let off = [stated.bearing - at.bearing, stated.inverse_depth - at.inverse_depth, stated.tilt - at.tilt];
         let [one, q, w] = self.coefficients;
         Equation { one, q, w, y: dot(self.coefficients, off) }.scaled(self.per_sigma)
     }

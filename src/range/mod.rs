@@ -3,6 +3,7 @@
 mod tuning;
 mod sample;
 mod observation;
+mod unknowns;
 mod line3;
 mod covariance;
 mod shared_error;

@@ -3,7 +3,7 @@
 use super::sample::Sample;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, add, cross, dot, over, scale};
-use crate::setup::{Camera, RaySpan};
+use crate::setup::{Camera, LensPoint, RaySpan};
 
 /// A normal `n` of the plane through a ray and a direction, as far as a line through the plane y = 0 needs it.
 #[derive(Clone, Copy)]
@@ -23,15 +23,19 @@ impl<S: Scalar> Normal<S> {
 
     /// Of a direction in the image plane.
     fn of_flat([x, y, z]: [S; 3], [ex, ey, _]: [S; 3], position: [S; 3]) -> Self {
-        let normal = [-(z * ey), z * ex, x * ey - y * ex];
+        let normal = [-(z * ey), z * ex, (x * ey).minus_product(y, ex)];
         let [x, _, z] = normal;
         Self { x, z, moved: dot(normal, position) }
     }
+
+    fn less(&self, other: &Self) -> Self {
+        Self { x: self.x - other.x, z: self.z - other.z, moved: self.moved - other.moved }
+    }
 }
 
-/// The ray of a sample against the two directions that an edge is made of: twelve numbers, and its noise.
+/// A ray against the two directions that an edge is made of.
 #[derive(Clone, Copy)]
-pub(crate) struct Observation<S> {
+pub(crate) struct Normals<S> {
     /// d × g: m of an upright edge.
     pub(crate) down: Normal<S>,
     /// d × e: what a unit of tilt adds.
@@ -39,6 +43,19 @@ pub(crate) struct Observation<S> {
     /// Their changes by a pixel along the row.
     pub(crate) down_per_px: Normal<S>,
     pub(crate) lean_per_px: Normal<S>,
+}
+
+impl<S: Scalar> Normals<S> {
+    /// How much further along the row this one misses a line than another one nearby.
+    pub(super) fn less(self, other: &Self) -> Self {
+        Self { down: self.down.less(&other.down), lean: self.lean.less(&other.lean), ..self }
+    }
+}
+
+/// A sample as a ray, and its noise.
+#[derive(Clone, Copy)]
+pub(crate) struct Observation<S> {
+    pub(crate) normals: Normals<S>,
     /// Bearings to the right and downwards in the camera's axes at that time.
     pub(crate) bearings: [S; 2],
     pub(crate) time_s: S,
@@ -67,20 +84,20 @@ pub(crate) struct Observer<'a, S, M> {
     lean: [S; 3],
     /// Whether the camera does not turn.
     is_steady: bool,
-    /// Offset that the lens had at the last sample: its inversion starts from there.
-    lens_offset: [S; 2],
+    /// Where the lens has seen the last sample.
+    last: Option<LensPoint<S>>,
 }
 
 impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
     pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, [gravity, lean]: [[S; 3]; 2]) -> Self {
-        Self { camera, motion, gravity, lean, is_steady: motion.keeps_attitude(), lens_offset: [S::ZERO; 2] }
+        Self { camera, motion, gravity, lean, is_steady: motion.keeps_attitude(), last: None }
     }
 
     /// `None` where the lens model has no ray.
     pub(crate) fn observe(&mut self, sample: &Sample<S>) -> Option<Observation<S>> {
         let spread = &sample.spread;
         let (at, half) = ([sample.column_px, sample.row_px], [spread.column_px, spread.row_px]);
-        let span = self.camera.rays(at, half, &mut self.lens_offset)?;
+        let span = self.camera.rays(at, half, &mut self.last)?;
         let rays = self.rays(&span, sample.time_s, spread.time_s);
         let Rays { direction, along_row, position, .. } = rays;
         let mut down = Normal::of(direction, self.gravity, position);
@@ -89,11 +106,14 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
-        Some(Observation {
+        let normals = Normals {
             down,
             lean: Normal::of_flat(direction, self.lean, position),
             down_per_px: Normal::of(along_row, self.gravity, position),
             lean_per_px: Normal::of_flat(along_row, self.lean, position),
+        };
+        Some(Observation {
+            normals,
             bearings: span.middle,
             time_s: sample.time_s,
             sigma_px,
@@ -111,7 +131,9 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
             let (direction, half, along_row) = ([u, w, S::ONE], [half_u, half_w, S::ZERO], [du, dw, S::ZERO]);
             return Rays { direction, half, along_row, position, half_position };
         }
-        let (across, along_row) = (pose.rotate_across(span.middle), pose.rotate_across([du, dw]));
+        let across = pose.rotate_across(span.middle);
+        let is_straight = dw == S::ZERO;
+        let along_row = if is_straight { scale(pose.right(), du) } else { pose.rotate_across([du, dw]) };
         if half_s == S::ZERO {
             return Rays {
                 direction: add(pose.ahead(), across),

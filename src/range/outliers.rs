@@ -3,7 +3,6 @@
 use heapless::Vec;
 
 use super::least_squares::{Solution, solve};
-use super::line3::Line3;
 use super::problem::{Problem, Solved};
 use super::tuning::{
     FAR_SIGMAS, MOST_REJECTIONS, MOST_SCATTER, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS,
@@ -15,8 +14,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// The first round, without the samples that are so far off that even its equations tell: with them the rounds would lead
     /// nowhere. And whether what is left may be a straight edge.
     #[inline(never)]
-    pub(super) fn first_without_far_samples(&mut self, start: &Line3<S>) -> Result<(Solved<S>, bool), FitError> {
-        let first = self.first_round(start)?;
+    pub(super) fn first_without_far_samples(&mut self) -> Result<(Solved<S>, bool), FitError> {
+        let first = self.first_round()?;
         let sizes = self.deviations(&first.solution, &[]);
         let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
         if !(part > S::from_i32(FAR_SIGMAS)) {
@@ -27,7 +26,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         // Some or none: its equations have been reweighted.
         let _ = self.reject_outliers(&first.solution);
-        let first = self.first_round(start)?;
+        let first = self.first_round()?;
         Ok((first, self.may_be_straight(&first.solution)))
     }
 
@@ -37,16 +36,19 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Rejects samples as long as there are outliers, and settles again without them.
     #[inline(never)]
-    pub(super) fn settle_without_outliers(&mut self, mut solved: Solved<S>) -> Result<Solved<S>, FitError> {
+    pub(super) fn settle_without_outliers(&mut self, solved: &mut Solved<S>) -> Result<(), FitError> {
         for _ in 0..MOST_REJECTIONS {
             if !self.has_suspicious_samples(&solved.solution) {
                 break;
             }
             // Without the outliers the edge lies near where the others have it.
-            let Some(change) = self.reject_outliers(&solved.solution) else { return self.repeat(&solved) };
-            solved = self.settle(&solved.at.moved(change))?;
+            let Some(change) = self.reject_outliers(&solved.solution) else {
+                *solved = self.repeat(&solved.at, solved.has_settled)?;
+                break;
+            };
+            *solved = self.settle(&solved.at.moved(change))?;
         }
-        Ok(solved)
+        Ok(())
     }
 
     /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is to say

@@ -3,8 +3,8 @@
 use super::blur::BlurMeasurement;
 use super::equation::Equation;
 use super::line_state::{LineState, Statement};
-use super::line3::Line3;
 use super::shared_error::SharedError;
+use super::unknowns::Unknowns;
 use crate::scalar::{Scalar, dot, over};
 use crate::setup::Setup;
 
@@ -71,31 +71,31 @@ impl<'a, S: Scalar> Prior<'a, S> {
         Self { state: state.map(|state| (state, state.statements())), blur, width_px, left_out, is_drawn: false }
     }
 
-    /// Its equations, linearised about `line3`, each with what shared errors do to it. The blur may be left out: far from the
+    /// Its equations, linearised about `at`, each with what shared errors do to it. The blur may be left out: far from the
     /// solution it leads astray.
     pub(super) fn equations(
         &self,
         setup: &Setup<S>,
-        line3: &Line3<S>,
+        at: &Unknowns<S>,
         with_blur: bool,
         mut each: impl FnMut(Equation<S>, PriorError<'_, S>),
     ) {
         match &self.state {
             Some((state, statements)) => {
                 for statement in statements.iter().filter(|statement| statement.per_sigma > S::ZERO) {
-                    each(statement.equation(&state.line3, line3), PriorError::Earlier(state, *statement));
+                    each(statement.equation(&state.line3, at), PriorError::Earlier(state, *statement));
                 }
             }
             None => {
                 // An edge is upright, but for its lean and the direction of gravity. A sigma of zero: no tilt at all.
-                let per_sigma = over(setup.uncertainty().sigma_tilt_at(line3.bearing));
+                let per_sigma = over(setup.uncertainty().sigma_tilt_at(at.bearing));
                 if per_sigma > S::ZERO {
-                    let equation = Equation { w: per_sigma, y: -(line3.tilt * per_sigma), ..Equation::NOTHING };
+                    let equation = Equation { w: per_sigma, y: -(at.tilt * per_sigma), ..Equation::NOTHING };
                     each(equation, PriorError::Alone(SharedError::Tilt, per_sigma));
                 }
             }
         }
-        if let Some((equation, per_lens_px)) = self.blur.filter(|_| with_blur).and_then(|blur| blur.equation(line3)) {
+        if let Some((equation, per_lens_px)) = self.blur.filter(|_| with_blur).and_then(|blur| blur.equation(at)) {
             each(equation, PriorError::Alone(SharedError::Lens, -per_lens_px));
         }
     }

@@ -4,13 +4,13 @@ use heapless::Vec;
 
 use super::equation::{Equation, Equations};
 use super::least_squares::{Solution, solve};
-use super::line3::Line3;
 use super::observation::Observation;
 use super::prior::Prior;
 use super::tuning::{
     FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART,
     SETTLED_PART,
 };
+use super::unknowns::Unknowns;
 use super::wander::Stretch;
 use crate::error::FitError;
 use crate::scalar::{Scalar, over};
@@ -30,8 +30,8 @@ pub(super) struct Problem<'a, S, const N: usize> {
 #[derive(Clone, Copy)]
 pub(super) struct Solved<S> {
     /// What it was linearised about.
-    pub(super) at: Line3<S>,
-    pub(super) line3: Line3<S>,
+    pub(super) at: Unknowns<S>,
+    pub(super) found: Unknowns<S>,
     pub(super) solution: Solution<S>,
     /// Whether the camera has the line before it in all rows.
     pub(super) is_in_front: bool,
@@ -41,7 +41,7 @@ pub(super) struct Solved<S> {
 
 impl<S: Scalar> Solved<S> {
     /// Half of the way that this round has gone.
-    fn halfway(&self) -> Line3<S> {
+    fn halfway(&self) -> Unknowns<S> {
         self.at.moved(self.solution.change().map(|change| change * S::ratio(1, 2)))
     }
 }
@@ -56,8 +56,12 @@ enum Round {
 
 /// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in front of
 /// the camera.
-fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Round) -> Option<(Equation<S>, bool)> {
-    let residual = line3.residual(observation);
+fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Round) -> Option<(Equation<S>, bool)> {
+    let normals = &observation.normals;
+    let residual = match round {
+        Round::First => normals.residual_of_nothing(),
+        Round::Later => at.residual(normals),
+    };
     if !(residual.per_bearing.abs() > S::ratio(LEAST_CROSSING.0, LEAST_CROSSING.1)) {
         return None;
     }
@@ -68,10 +72,10 @@ fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Rou
     let per_miss = observation.per_sigma / residual.per_px;
     let y = -(residual.miss * per_miss);
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
-    let [one_per_px, q_per_px] = line3.change_along_row(observation);
-    if round == Round::Later && !(one_per_px == S::ZERO && q_per_px == S::ZERO) {
-        let off_px = y * observation.sigma_px;
-        (one, q) = (one + one_per_px * off_px, q + q_per_px * off_px);
+    let change = if round == Round::Later { at.change_along_row(normals) } else { [S::ZERO; 2] };
+    if change != [S::ZERO; 2] {
+        let ([one_per_px, q_per_px], off_px) = (change, y * observation.sigma_px);
+        (one, q) = (one.plus_product(one_per_px, off_px), q.plus_product(q_per_px, off_px));
     }
     let equation = Equation { one: one * per_miss, q: q * per_miss, w: residual.per_tilt * per_miss, y };
     Some((equation, residual.is_in_front()))
@@ -79,47 +83,47 @@ fn observe<S: Scalar>(observation: &Observation<S>, line3: &Line3<S>, round: Rou
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
-    fn round(&mut self, line3: &Line3<S>, round: Round) -> Result<Solved<S>, FitError> {
+    fn round(&mut self, at: &Unknowns<S>, round: Round) -> Result<Solved<S>, FitError> {
         let equations = &mut self.equations;
         equations.clear();
         let mut is_in_front = true;
         for (index, observation) in self.observations.iter().enumerate() {
-            let (equation, in_front) = observe(observation, line3, round).ok_or(FitError::Sideways(index))?;
+            let (equation, in_front) = observe(observation, at, round).ok_or(FitError::Sideways(index))?;
             is_in_front &= in_front;
             // There is room: as many as observations.
             let _ = equations.observed.push(equation);
         }
-        self.prior.equations(self.setup, line3, round == Round::Later, |equation, _| {
+        self.prior.equations(self.setup, at, round == Round::Later, |equation, _| {
             equations.push_prior(equation);
         });
         let solution = solve(equations);
-        let moved = line3.moved(solution.change());
-        let is_in_front = is_in_front && moved.inverse_depth > S::ZERO;
-        Ok(Solved { at: *line3, line3: moved, solution, is_in_front, has_settled: true })
+        let found = at.moved(solution.change());
+        let is_in_front = is_in_front && found.inverse_depth > S::ZERO;
+        Ok(Solved { at: *at, found, solution, is_in_front, has_settled: true })
     }
 
     /// The first round, from nothing: the positions and the prior of the tilt alone.
-    pub(super) fn first_round(&mut self, line3: &Line3<S>) -> Result<Solved<S>, FitError> {
-        self.round(line3, Round::First)
+    pub(super) fn first_round(&mut self) -> Result<Solved<S>, FitError> {
+        self.round(&Unknowns::NOTHING, Round::First)
     }
 
-    /// The round that led to this outcome once more: its equations are needed, and others have been made since.
-    pub(super) fn repeat(&mut self, solved: &Solved<S>) -> Result<Solved<S>, FitError> {
-        Ok(Solved { has_settled: solved.has_settled, ..self.round(&solved.at, Round::Later)? })
+    /// A round once more: its equations are needed, and others have been made since.
+    pub(super) fn repeat(&mut self, at: &Unknowns<S>, has_settled: bool) -> Result<Solved<S>, FitError> {
+        Ok(Solved { has_settled, ..self.round(at, Round::Later)? })
     }
 
     /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro between two
     /// places meet halfway. `None` where they do not converge.
-    fn converge(&mut self, line3: &Line3<S>) -> Option<Solved<S>> {
+    fn converge(&mut self, start: &Unknowns<S>) -> Option<Solved<S>> {
         let nearby = S::ratio(1, NEARBY_PART * NEARBY_PART);
-        let mut solved = self.round(line3, Round::Later).ok()?;
+        let mut solved = self.round(start, Round::Later).ok()?;
         let mut step = solved.solution.step_squared();
         for round in 1..MOST_ROUNDS {
             if self.has_settled(&solved, step) {
                 return Some(solved);
             }
             let before = step;
-            let next = if round < FULL_ROUNDS { solved.line3 } else { solved.halfway() };
+            let next = if round < FULL_ROUNDS { solved.found } else { solved.halfway() };
             solved = self.round(&next, Round::Later).ok()?;
             step = solved.solution.step_squared();
             // These are squares. Rounds that converge do so much faster: what is left is rounding.
@@ -150,7 +154,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let (mut of_y, mut of_sigmas) = (S::ZERO, S::ZERO);
         let mut pairs = self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.is_inlier);
         for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
-            let Some((new, _)) = observe(observation, &solved.line3, Round::Later) else { return false };
+            let Some((new, _)) = observe(observation, &solved.found, Round::Later) else { return false };
             let [q, w] = solution.uncentred(old);
             let (of_q, of_w, off) = (new.q - q, new.w - w, new.y - solution.deviation(old));
             of_sigmas = of_sigmas + of_q * of_q * per_q + of_w * of_w * per_w;
@@ -172,63 +176,67 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let solution = &solved.solution;
         let [q, _] = solution.uncentred(old);
         let before = q * solution.deviation(old);
-        let Some((new, _)) = blur.equation(&solved.line3) else { return S::ONE };
+        let Some((new, _)) = blur.equation(&solved.found) else { return S::ONE };
         let change = new.q * new.y - before;
         change * change * over(solution.information_of_inverse_depth())
     }
 
     /// The same. What does not converge is no straight edge; one round tells roughly where it is.
     #[inline(never)]
-    pub(super) fn settle(&mut self, line3: &Line3<S>) -> Result<Solved<S>, FitError> {
-        if let Some(solved) = self.converge(line3) {
+    pub(super) fn settle(&mut self, start: &Unknowns<S>) -> Result<Solved<S>, FitError> {
+        if let Some(solved) = self.converge(start) {
             return Ok(solved);
         }
-        let solved = self.round(line3, Round::Later)?;
+        let solved = self.round(start, Round::Later)?;
         // This round may have moved it far; rounding alone moves it by parts of a sigma.
         let has_settled = solved.solution.step_squared() < S::ONE;
-        Ok(Solved { is_in_front: self.is_in_front(&solved.line3), has_settled, ..solved })
+        Ok(Solved { is_in_front: self.is_in_front(&solved.found), has_settled, ..solved })
     }
 
     /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only if that
     /// moves the estimate.
-    pub(super) fn settle_again(&mut self, last: &Solved<S>) -> Result<Solved<S>, FitError> {
+    pub(super) fn settle_again(&mut self, solved: &mut Solved<S>) -> Result<(), FitError> {
         let solution = solve(&mut self.equations);
-        let line3 = last.at.moved(solution.change());
+        let found = solved.at.moved(solution.change());
         if solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART) {
-            return Ok(Solved {
-                line3,
-                solution,
-                is_in_front: last.is_in_front && line3.inverse_depth > S::ZERO,
-                ..*last
-            });
+            let is_in_front = solved.is_in_front && found.inverse_depth > S::ZERO;
+            *solved = Solved { found, solution, is_in_front, ..*solved };
+        } else {
+            *solved = self.settle(&found)?;
         }
-        self.settle(&line3)
+        Ok(())
     }
 
-    fn is_in_front(&self, line3: &Line3<S>) -> bool {
-        let has_in_front = |observation: &Observation<S>| line3.residual(observation).is_in_front();
-        line3.inverse_depth > S::ZERO && self.observations.iter().all(has_in_front)
+    fn is_in_front(&self, unknowns: &Unknowns<S>) -> bool {
+        let has_in_front = |observation: &Observation<S>| unknowns.residual(&observation.normals).is_in_front();
+        unknowns.inverse_depth > S::ZERO && self.observations.iter().all(has_in_front)
     }
 
     /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
     /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
     #[inline(never)]
-    pub(super) fn settle_in_front(&mut self, start: &Line3<S>) -> Result<Solved<S>, FitError> {
+    pub(super) fn settle_in_front(&mut self, start: &Unknowns<S>) -> Result<Solved<S>, FitError> {
         let solved = self.settle(start)?;
-        let line3 = solved.line3;
-        if line3.tilt == S::ZERO || !(line3.inverse_depth < S::ZERO) {
+        if solved.found.tilt == S::ZERO || !(solved.found.inverse_depth < S::ZERO) {
             return Ok(solved);
         }
-        let least = solved.solution.cost(&self.equations) + S::from_i32(MIRROR_COST);
-        let mirrored = Line3 { inverse_depth: -line3.inverse_depth, ..line3 };
-        // An error in this trial says nothing of the solution at hand.
-        let farthest = mirrored.inverse_depth * S::from_i32(MIRROR_REACH);
-        let is_mirror_image = |trial: &Solved<S>| trial.has_settled && trial.line3.inverse_depth < farthest;
-        let trial = self.settle(&mirrored).ok().filter(is_mirror_image);
-        match trial.filter(|trial| self.is_found_in_front(trial, least)) {
+        let (at, has_settled) = (solved.at, solved.has_settled);
+        match self.settle_mirrored(&solved) {
             Some(trial) => Ok(trial),
-            None => self.repeat(&solved),
+            None => self.repeat(&at, has_settled),
         }
+    }
+
+    /// The mirror image in front of the camera of one behind it, if it is as good.
+    #[inline(never)]
+    fn settle_mirrored(&mut self, behind: &Solved<S>) -> Option<Solved<S>> {
+        let least = behind.solution.cost(&self.equations) + S::from_i32(MIRROR_COST);
+        let mirrored = Unknowns { inverse_depth: -behind.found.inverse_depth, ..behind.found };
+        // An error in this trial says nothing of the solution at hand.
+        let trial = self.settle(&mirrored).ok()?;
+        let farthest = mirrored.inverse_depth * S::from_i32(MIRROR_REACH);
+        let is_mirror_image = trial.has_settled && trial.found.inverse_depth < farthest;
+        (is_mirror_image && self.is_found_in_front(&trial, least)).then_some(trial)
     }
 
     /// Whether something is known of a solution, in front of the camera, that costs less.
@@ -241,29 +249,37 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// best of those near either path is meant; where neither agrees with the positions, also of the one near these alone.
     #[inline(never)]
     pub(super) fn settle_best(&mut self, first: &Solved<S>) -> Result<Solved<S>, FitError> {
-        let start = &first.line3;
+        // The rounds of one start leave the stack before those of the next.
+        let (start, rival) = self.starts(first);
+        let solved = self.settle_in_front(&start)?;
+        match rival.filter(|(_, cost)| *cost < solved.solution.cost(&self.equations)) {
+            Some((at, _)) => self.repeat(&at, true),
+            None => Ok(solved),
+        }
+    }
+
+    /// Where to start from: mostly the better path wins, and its equations are to be the last; and the last round of the best
+    /// of those near the others, with its cost.
+    #[inline(never)]
+    fn starts(&mut self, first: &Solved<S>) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
+        let start = first.found;
         let information = first.solution.information_of_inverse_depth();
-        let paths = self.prior.blur.and_then(|blur| blur.either_path(start, information));
-        let Some([better, other]) = paths else { return self.settle_in_front(start) };
+        let paths = self.prior.blur.and_then(|blur| blur.either_path(&start, information));
+        let Some([better, other]) = paths else { return (start, None) };
         let near = |change_per_m| start.moved(first.solution.change_with(change_per_m));
         let rival_cost = S::from_i32(RIVAL_COST);
         // Where the blur is that of a path next to nothing, both are the same place.
         let apart = other.change_per_m - better.change_per_m;
         let is_apart = apart * apart * information > S::ratio(1, NEARBY_PART * NEARBY_PART);
         let is_rival = is_apart && other.cost < better.cost + rival_cost;
-        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
-        let mut best_rival: Option<(Solved<S>, S)> = None;
+        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(start)];
+        let mut best: Option<(Unknowns<S>, S)> = None;
         for rival in rivals.into_iter().flatten() {
             if let Some(trial) = self.converge(&rival).filter(|trial| trial.is_in_front) {
                 let cost = trial.solution.cost(&self.equations);
-                best_rival = best_rival.filter(|(_, least)| *least <= cost).or(Some((trial, cost)));
+                best = best.filter(|(_, least)| *least <= cost).or(Some((trial.at, cost)));
             }
         }
-        // Mostly the better path wins, and its equations are the last.
-        let solved = self.settle_in_front(&near(better.change_per_m))?;
-        match best_rival.filter(|(_, cost)| *cost < solved.solution.cost(&self.equations)) {
-            Some((rival, _)) => self.repeat(&rival),
-            None => Ok(solved),
-        }
+        (near(better.change_per_m), best)
     }
 }

@@ -1,6 +1,6 @@
 //! [`Range`]: what is told of one line.
 
-use super::blur::{BlurMeasurement, LensBlurMeasurement};
+use super::blur::{BlurMeasurement, LensBlurMeasurement, Path};
 use super::estimate::{Estimate, Interval, Sigmas};
 use super::fit::{Fitted, fit_with};
 use super::goodness_of_fit::GoodnessOfFit;
@@ -65,7 +65,7 @@ impl<S: Scalar> Range<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        earlier: Option<LineState<S>>,
+        earlier: Option<&LineState<S>>,
         left_out: SampleSet,
     ) -> (Self, Option<LineState<S>>) {
         Self::fitted(setup, motion, line, earlier, left_out, false)
@@ -84,11 +84,10 @@ impl<S: Scalar> Range<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        earlier: Option<LineState<S>>,
+        earlier: Option<&LineState<S>>,
         left_out: SampleSet,
         is_drawn: bool,
     ) -> (Self, Option<LineState<S>>) {
-        let mut range = Self::unfitted(line);
         let blur = BlurMeasurement::of_line(setup, motion, line);
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
@@ -96,10 +95,11 @@ impl<S: Scalar> Range<S> {
         let blur_enters = is_in_question && setup.widths_are_known();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
         let entering = blur.as_ref().filter(|_| blur_enters);
-        let prior = Prior { is_drawn, ..Prior::new(earlier.as_ref(), entering, width_px, left_out) };
-        match fit_with::<S, M, KNOTS>(setup, motion, &mut line.samples(), &prior) {
+        let prior = Prior { is_drawn, ..Prior::new(earlier, entering, width_px, left_out) };
+        let fitted = fit_with::<S, M, KNOTS>(setup, motion, &mut line.samples(), &prior);
+        let mut range = Self::unfitted(line);
+        match fitted.and_then(|fitted| range.fill(setup, motion, line, &fitted, earlier.is_none()).map(|()| fitted)) {
             Ok(fitted) => {
-                range.fill(setup, motion, line, &fitted, earlier.is_none());
                 if let Some(blur) = &blur {
                     range.compare_with_blur(blur, &fitted.state.line3, blur_enters);
                 }
@@ -157,19 +157,20 @@ impl<S: Scalar> Range<S> {
         line: &Line<KNOTS>,
         fitted: &Fitted<S, KNOTS>,
         is_single: bool,
-    ) {
+    ) -> Result<(), FitError> {
+        self.estimate = fitted.estimate(setup)?;
         let (top, bottom) = line.top_and_bottom();
         let line3 = &fitted.state.line3;
         self.column_at_first_row = column_at(setup, motion, line3, top);
         self.column_at_last_row = column_at(setup, motion, line3, bottom);
-        self.estimate = fitted.estimate;
         self.points_used = line.points_in(fitted.inliers.iter().copied());
-        let leans = leans_too_much(setup, &fitted.estimate, is_single);
+        let leans = leans_too_much(setup, &self.estimate, is_single);
         // Frames that agree are evidence enough, however short or cluttered the line is in this one.
-        let status = if is_single { status_of(setup, line, &fitted.estimate) } else { fitted.estimate.status() };
+        let status = if is_single { status_of(setup, line, &self.estimate) } else { self.estimate.status() };
         self.status = status
             .unless(Objection::FittedLean, leans)
             .unless(Objection::Clutter, is_single && self.is_by_chance(line));
+        Ok(())
     }
 
     /// Whether it does not stand out of what is around; or is so short, and scatters so much, that a wander of its edge and
@@ -182,13 +183,13 @@ impl<S: Scalar> Range<S> {
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
     fn compare_with_blur(&mut self, blur: &BlurMeasurement<S>, line3: &Line3<S>, blur_entered: bool) {
-        let path = blur.path_px(line3);
-        let relative_sigma = self.estimate.relative_sigma();
+        let path = blur.path(&line3.unknowns());
+        let sigma_per_m = self.estimate.sigma_inverse_depth_per_m;
         // An edge whose depth comes from its blur tells nothing of the lens, unless it hardly moves.
-        let tells = |path: &S| !blur_entered || path.abs() < S::ONE;
-        self.lens_blur = path.filter(tells).and_then(|path| blur.of_lens(path, relative_sigma));
+        let tells = |path: &Path<S>| !blur_entered || path.mean_square_px2() < S::ONE;
+        self.lens_blur = path.filter(tells).and_then(|path| blur.of_lens(&path, sigma_per_m));
         // Where the edge leaves the row within the exposure, there is no upright edge.
-        let is_consistent = path.is_some_and(|path| blur.is_consistent(path.abs(), relative_sigma));
+        let is_consistent = path.is_some_and(|path| blur.is_consistent(&path, sigma_per_m));
         self.status = self.status.unless(Objection::Blur, !is_consistent);
     }
 

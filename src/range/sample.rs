@@ -1,5 +1,6 @@
 //! [`Sample`]: one observation of an edge in real numbers, as the solver takes it.
 
+use crate::edge::EdgePoint;
 use crate::line::{Knot, Line};
 use crate::scalar::{NS_PER_S, Scalar};
 
@@ -98,11 +99,16 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Some([at(0)?, at(count / 2)?, at(count.checked_sub(1)?)?])
     }
 
-    /// The mean of the knot in the middle, without its spread.
-    pub(super) fn middle_mean<S: Scalar>(&self) -> Option<Sample<S>> {
-        let first = self.first_point::<S>();
-        let knot = self.filled().nth(self.filled().count() / 2)?;
-        Some(self.mean(knot, &first, S::ONE / S::from_i32(i32::from(knot.points))))
+    /// A point on the way from the first point to the last, without noise.
+    pub(super) fn point_between<S: Scalar>(&self, part: S) -> Sample<S> {
+        let (first, last) = (self.first_point::<S>(), Self::point_of(&self.last));
+        let between = |first: S, last: S| first + (last - first) * part;
+        Sample::point(
+            between(first.column_px, last.column_px),
+            between(first.row_px, last.row_px),
+            between(first.time_s, last.time_s),
+            S::ZERO,
+        )
     }
 
     fn filled(&self) -> impl Iterator<Item = &Knot> {
@@ -110,8 +116,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
     }
 
     fn first_point<S: Scalar>(&self) -> Sample<S> {
-        let first = &self.first;
-        Sample::point(first.column_px(), S::from_i32(i32::from(first.row)), first.time_s(), S::ZERO)
+        Self::point_of(&self.first)
+    }
+
+    fn point_of<S: Scalar>(point: &EdgePoint) -> Sample<S> {
+        Sample::point(point.column_px(), S::from_i32(i32::from(point.row)), point.time_s(), S::ZERO)
     }
 
     fn mean<S: Scalar>(&self, knot: &Knot, first: &Sample<S>, per_point: S) -> Sample<S> {

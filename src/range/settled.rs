@@ -2,11 +2,11 @@
 
 use super::equation::Equations;
 use super::least_squares::{Response, Solution};
-use super::line3::Line3;
 use super::observation::Observation;
 use super::prior::Prior;
 use super::sensitivity::Sensitivity;
 use super::shared_error::{SHARED_ERRORS, SharedError};
+use super::unknowns::Unknowns;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, cross, dot, scale, sub};
 use crate::setup::Setup;
@@ -18,8 +18,9 @@ pub(super) struct Settled<'a, S, M, const N: usize> {
     pub(super) prior: &'a Prior<'a, S>,
     pub(super) observations: &'a [Observation<S>],
     pub(super) equations: &'a Equations<S, N>,
-    /// What the equations were linearised about.
-    pub(super) at: &'a Line3<S>,
+    /// What the equations were linearised about, and the direction of that line.
+    pub(super) at: &'a Unknowns<S>,
+    pub(super) direction: [S; 3],
     pub(super) solution: &'a Solution<S>,
 }
 
@@ -27,7 +28,9 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
     #[inline(never)]
     pub(super) fn sensitivity(&self) -> Sensitivity<S> {
         let Self { setup, prior, observations, equations, at, solution, .. } = self;
-        let counts = SharedError::ALL.map(|error| error.sigma(setup, at.bearing) > S::ZERO);
+        // What is in the prior moves no observation.
+        let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
+        let counts = SharedError::ALL.map(counts);
         let mut responses = [Response::NONE; SHARED_ERRORS];
         for (observation, equation) in observations.iter().zip(&equations.observed) {
             let [uncentred_q, _] = solution.uncentred(equation);
@@ -64,7 +67,7 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         if !(rate || readout || focal) || !observation.is_inlier {
             return [none, none, of_speed, none, none, none, none, none];
         }
-        let per_miss = -(observation.per_sigma / self.at.residual(observation).per_px);
+        let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).per_px);
         let pose = self.motion.pose(observation.time_s);
         let is_steady = self.motion.keeps_attitude();
         let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
@@ -73,10 +76,10 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         let direction = turn([u, w, S::ONE]);
         // F = d · h
         let place = sub([self.at.bearing, none, S::ONE], scale(pose.position_m, rho));
-        let h = cross(self.at.direction(), place);
+        let h = cross(self.direction, place);
         let of_rate = scale(cross(direction, h), observation.time_s * per_miss);
         // The camera is further along its path, and has turned further.
-        let m = cross(direction, self.at.direction());
+        let m = cross(direction, self.direction);
         let of_advance = -(rho * observation.time_s * dot(m, pose.velocity_m_s)) * per_miss;
         let of_readout = of_advance + dot(pose.rate_rad_s, of_rate);
         // R (u, w, 0)

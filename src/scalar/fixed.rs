@@ -137,7 +137,13 @@ impl Q32 {
         if shift > 31 {
             return self;
         }
-        let (sum, overflows) = self.mantissa.overflowing_add(mantissa >> shift);
+        self.add_aligned(mantissa >> shift)
+    }
+
+    /// The sum with a mantissa of the same exponent.
+    #[inline(always)]
+    const fn add_aligned(self, mantissa: i32) -> Self {
+        let (sum, overflows) = self.mantissa.overflowing_add(mantissa);
         if overflows {
             // The sign bit is the one that was lost.
             return Self::bounded((sum >> 1) ^ i32::MIN, self.exponent + 1);
@@ -215,6 +221,31 @@ fn product_of_mantissas(a: i32, b: i32) -> (i32, i32) {
     } else {
         (fourfold | (low >> 30) as i32, 0)
     }
+}
+
+/// The sum of a product and a number: normalises once, where a product and a sum do so twice.
+// The number comes last, on the stack, and is needed last.
+#[inline(never)]
+fn product_plus(a: Q32, b: Q32, number: Q32) -> Q32 {
+    let exponent = a.exponent + b.exponent + 31;
+    if !(SMALLEST..LARGEST).contains(&exponent) {
+        return product_plus_beyond(a, b, number);
+    }
+    let (high, low) = product(a.mantissa, b.mantissa);
+    // From 2²⁹ to 2³¹ in size.
+    let mantissa = (high << 1) | (low >> 31) as i32;
+    let shift = number.exponent - exponent;
+    if shift >= 0 {
+        return number.add_smaller(mantissa, shift);
+    }
+    let smaller = if shift < -31 { 0 } else { number.mantissa >> -shift };
+    Q32 { mantissa, exponent }.add_aligned(smaller)
+}
+
+/// A product that is zero, or that leaves the range or nearly does.
+#[inline(never)]
+fn product_plus_beyond(a: Q32, b: Q32, number: Q32) -> Q32 {
+    if a.mantissa == 0 || b.mantissa == 0 { number } else { number + a * b }
 }
 
 impl Div for Q32 {
@@ -356,6 +387,16 @@ impl Scalar for Q32 {
     fn to_i64(self) -> i64 {
         let size = Self { mantissa: self.mantissa.wrapping_abs(), ..self }.floor();
         if self.mantissa < 0 { -size } else { size }
+    }
+
+    #[inline]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        product_plus(a, b, self)
+    }
+
+    #[inline]
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        product_plus(-a, b, self)
     }
 
     fn half(self) -> Self {

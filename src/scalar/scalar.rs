@@ -60,6 +60,16 @@ pub trait Scalar:
         Self::from_i32(numerator) / Self::from_i32(denominator)
     }
 
+    /// `self + a * b`, where a back end has something better with the roundings of both.
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+
+    /// `self - a * b`, likewise.
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
+
     /// Half of it.
     fn half(self) -> Self {
         self * Self::ratio(1, 2)
