@@ -157,7 +157,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        self.scanner.scan_beside(pixels, &explained.columns(row), |point| {
+        let mut columns: Vec<_, LINES> = Vec::new();
+        explained.add_columns(row, &mut columns);
+        self.scanner.scan_beside(pixels, &columns, |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -176,8 +178,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             self.tear();
             return Err(RowError::Jump { row });
         }
-        tracker.learn(row, pixel_row, self.scanner.noise_q8());
-        tracker.look_around(row, pixel_row);
+        tracker.look_at(row, pixel_row, self.scanner.noise_q8());
         Ok(())
     }
 
@@ -364,8 +365,8 @@ fn refine_alone<P: Pixels, const LINES: usize>(
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {
-        let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| i64::from(next.column_q16));
-        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, i64::from(point.column_q16));
+        let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| next.column_q16);
+        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, point.column_q16);
         left_q16 = column_q16;
         if !demand.asks_for(point) {
             continue;
