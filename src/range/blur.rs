@@ -28,8 +28,8 @@ pub(crate) struct BlurMeasurement<S> {
     sigma_lens_px: S,
 }
 
-/// Where the two places are, from either end of the line: the mean square of a path that changes linearly along it is that of these two
-/// (Gauss's rule).
+/// Where the two places are, from either end of the line: the mean square of a path that changes linearly along it is
+/// that of these two (Gauss's rule).
 const PLACE: (i32, i32) = (21_132, 100_000);
 
 /// Steps towards the best compromise of positions and blur before the rounds: two leave less than a fiftieth of a sigma, and
@@ -101,8 +101,9 @@ impl<S: Scalar> BlurMeasurement<S> {
         Some(Path::along([first.px()?, second.px()?], per_inverse_depth))
     }
 
-    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they lie, given
-    /// what the positions say of the inverse depth, as changes of it, each with what it costs; the better one first.
+    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they
+    /// lie, given what the positions say of the inverse depth, as changes of it, each with what it costs; the better
+    /// one first.
     pub(super) fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
         let path = self.path(unknowns)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();
@@ -164,8 +165,8 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 }
 
-/// The mean square of a path along the row, over the line, as a function of the inverse depth: translation moves a ray in proportion
-/// to the inverse depth, rotation does so at any depth.
+/// The mean square of a path along the row, over the line, as a function of the inverse depth: translation moves a ray
+/// in proportion to the inverse depth, rotation does so at any depth.
 #[derive(Clone, Copy)]
 pub(super) struct Path<S> {
     /// What changes with the inverse depth, in pixels: zero where the path is shortest.
@@ -223,8 +224,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
         (sum.widths > sum.points / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
     }
 
-    /// Mean square of the measured widths in square pixels, less what noise adds to it, from their mean and its sigma. Within a
-    /// knot the widths are averaged first.
+    /// Mean square of the measured widths in square pixels, less what noise adds to it, from their mean and its sigma.
+    /// Within a knot the widths are averaged first.
     fn mean_square_width_px2<S: Scalar>(&self, mean_px: S, sigma_px: S) -> S {
         let (mut squares_q16, mut knots, mut widths) = (S::ZERO, 0, 0);
         for knot in self.settled_knots().filter(|knot| knot.widths > 0) {
@@ -233,7 +234,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
             (knots, widths) = (knots + 1, widths + i64::from(knot.widths));
         }
         let square_px2 = squares_q16 / S::from_i64(widths << 16);
-        // The noise of a mean width is at most the stated one, whose half is meant, and that of a row at most half of the width.
+        // The noise of a mean width is at most the stated one, whose half is meant, and that of a row at most half of
+        // the width.
         let most_px2 = mean_px * mean_px / S::from_i64(4 * widths);
         square_px2 - (sigma_px * sigma_px).half().min(most_px2) * S::from_i32(knots)
     }

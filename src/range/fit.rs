@@ -37,15 +37,16 @@ const PS_PER_S: i64 = 1_000_000_000_000;
 
 /// Bearing, inverse depth and tilt of one edge with their covariance, from at most `N` samples.
 ///
-/// The uncertainty of the setup is part of the covariance; of its limits, that of a bend is used, and its readout tells by how
-/// many rows samples are apart.
+/// The uncertainty of the setup is part of the covariance; of its limits, that of a bend is used, and its readout tells
+/// by how many rows samples are apart.
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
 /// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the tilt
 /// is free or outliers must be rejected. docs/budget.md has instructions and stack.
 ///
-/// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the paper's equation (3).
+/// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the
+/// paper's equation (3).
 ///
 /// ```
 /// use shutter_range::{Sample, Setup, Twist, Uncertainty, fit};

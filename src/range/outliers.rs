@@ -11,8 +11,8 @@ use crate::error::FitError;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
-    /// The first round, without the samples that are so far off that even its equations tell: with them the rounds would lead
-    /// nowhere. Whether what is left may be a straight edge.
+    /// The first round, without the samples that are so far off that even its equations tell: with them the rounds
+    /// would lead nowhere. Whether what is left may be a straight edge.
     #[inline(never)]
     pub(super) fn first_without_far_samples(&mut self) -> Result<bool, FitError> {
         self.first_round()?;
@@ -51,8 +51,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(())
     }
 
-    /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is to say
-    /// that most samples deviate by less than a third of that.
+    /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is
+    /// to say that most samples deviate by less than a third of that.
     #[inline(never)]
     fn has_suspicious_samples(&self) -> bool {
         let sizes = self.deviations(&self.last.solution, &[]);
@@ -74,8 +74,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a third
-    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to, or `None` where
-    /// none is rejected.
+    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to, or
+    /// `None` where none is rejected.
     #[inline(never)]
     fn reject_outliers(&mut self) -> Option<[S; 3]> {
         let (solution, scales) = self.reweight();

@@ -64,8 +64,8 @@ enum Round {
     Later,
 }
 
-/// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in front of
-/// the camera.
+/// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in
+/// front of the camera.
 fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Round) -> Option<(Equation<S>, bool)> {
     let normals = &observation.normals;
     let residual = match round {
@@ -125,8 +125,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(())
     }
 
-    /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro between two
-    /// places meet halfway. Whether they converge.
+    /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro
+    /// between two places meet halfway. Whether they converge.
     fn converge(&mut self, start: &Unknowns<S>) -> bool {
         let nearby = S::ratio(1, NEARBY_PART * NEARBY_PART);
         let mut next = *start;
@@ -145,9 +145,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         false
     }
 
-    /// Whether another round would change next to nothing: this one has not moved the estimate far, and neither the samples at
-    /// both ends nor the blur have departed on the way from what their equations foretell. What scatters more than stated is
-    /// known less well.
+    /// Whether another round would change next to nothing: this one has not moved the estimate far, and neither the
+    /// samples at both ends nor the blur have departed on the way from what their equations foretell. What scatters
+    /// more than stated is known less well.
     fn has_settled(&self, step_squared: S) -> bool {
         let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
         let has_settled = |scatter: S| {
@@ -157,8 +157,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         has_settled(S::ONE) || has_settled(self.scatter().max(S::ONE))
     }
 
-    /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed by as much,
-    /// what they tell by less than the square root of `settled` sigmas, and each sigma by less than a thousandth.
+    /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed
+    /// by as much, what they tell by less than the square root of `settled` sigmas, and each sigma by less than a
+    /// thousandth.
     fn is_linear(&self, settled: S) -> bool {
         let Solved { found, solution, .. } = &self.last;
         let [per_q, per_w] = [over(solution.information_of_inverse_depth()), solution.variance_of_tilt()];
@@ -185,8 +186,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         self.last.solution.cost(&self.equations)
     }
 
-    /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its part in
-    /// the gradient.
+    /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its
+    /// part in the gradient.
     fn blur_moves(&self) -> S {
         let (Some(blur), Some(old)) = (self.prior.blur, self.equations.prior.last()) else { return S::ZERO };
         let Solved { found, solution, .. } = &self.last;
@@ -209,8 +210,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Ok(())
     }
 
-    /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only if that
-    /// moves the estimate.
+    /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only
+    /// if that moves the estimate.
     pub(super) fn settle_again(&mut self) -> Result<(), FitError> {
         let solution = solve(&mut self.equations);
         let found = self.last.at.moved(solution.change());
@@ -267,8 +268,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
     }
 
-    /// Where to start from: mostly the better path wins, and its equations are to be the last; and the last round of the best
-    /// of those near the others, with its cost.
+    /// Where to start from: mostly the better path wins, and its equations are to be the last; and the last round of
+    /// the best of those near the others, with its cost.
     #[inline(never)]
     fn starts(&mut self) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
         let Solved { found: start, solution: first, .. } = self.last;

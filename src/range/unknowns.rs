@@ -41,9 +41,9 @@ impl<S: Scalar> Residual<S> {
         (self.per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
     }
 
-    /// Whether what the ray shows of the line lies before the camera at that time: as equations alone have it, a camera might
-    /// have passed the line within the frame. `per_px` is the depth there, relative to that at frame start, times what has
-    /// the opposite sign of m_x.
+    /// Whether what the ray shows of the line lies before the camera at that time: as equations alone have it, a camera
+    /// might have passed the line within the frame. `per_px` is the depth there, relative to that at frame start, times
+    /// what has the opposite sign of m_x.
     pub(crate) fn is_in_front(&self) -> bool {
         (self.per_px < S::ZERO) != (self.per_bearing < S::ZERO)
     }

@@ -74,15 +74,15 @@ pub(super) struct Wander<S> {
 }
 
 impl<S: Scalar> Wander<S> {
-    /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated. `blur_px` is
-    /// that of the edge.
+    /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated.
+    /// `blur_px` is that of the edge.
     ///
     /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge alike
     /// until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in the
     /// residuals, their modes are compared with what such a process leaves in them.
     ///
-    /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told of its place
-    /// and its lean, and parallax does not mind it: only roughness is left.
+    /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told
+    /// of its place and its lean, and parallax does not mind it: only roughness is left.
     pub(super) fn of<const N: usize>(
         residuals: &[Residual<'_, S>],
         roughness_px: S,
@@ -274,8 +274,8 @@ impl<S: Scalar> Shown<S> {
         shown
     }
 
-    /// What changes from stretch to stretch is noise. `rest` is left of the squares beside the modes, and `stated` the sum of
-    /// the stated ones.
+    /// What changes from stretch to stretch is noise. `rest` is left of the squares beside the modes, and `stated` the
+    /// sum of the stated ones.
     fn judge_noise(&mut self, count: usize, rest: S, stated: S) {
         let [_, spare] = modes_and_spare(count);
         let spare = S::from_i32(spare as i32);

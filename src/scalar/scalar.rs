@@ -5,8 +5,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number of one of the back ends.
 ///
-/// *Range*: at least 10⁻³⁸ to 10³⁸ in size, with at least 24 bits. What leaves the range becomes infinite (floating point) or
-/// the largest number (fixed point), never a panic; so does a division by zero.
+/// *Range*: at least 10⁻³⁸ to 10³⁸ in size, with at least 24 bits. What leaves the range becomes infinite (floating
+/// point) or the largest number (fixed point), never a panic; so does a division by zero.
 ///
 /// This trait is sealed: the estimator's stated errors hold for the implementations of this crate.
 pub trait Scalar:

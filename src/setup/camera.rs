@@ -84,8 +84,8 @@ pub(crate) struct RaySpan<S> {
     pub(crate) along_row: [S; 2],
 }
 
-/// The inversion of the distortion for a stretch of pixels is left with the square of its last step, times the curvature of the
-/// lens: below 10⁻⁴ px for a focal length of 1000 px.
+/// The inversion of the distortion for a stretch of pixels is left with the square of its last step, times the
+/// curvature of the lens: below 10⁻⁴ px for a focal length of 1000 px.
 const NEAR_SQUARE: i32 = 1 << 23;
 
 /// A recorded point and what the lens has seen there.

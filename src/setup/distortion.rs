@@ -108,8 +108,9 @@ impl<S: Scalar> Distortion<S> {
         Mapped { point: self.with_radial([u, w], [uu, uw, ww], radial), jacobian: [[along_u, cross], [cross, along_w]] }
     }
 
-    /// The mean of the ideal points at both ends of a stretch about one whose inverse mapping is known, `half` to either side:
-    /// one step from there for each. What the Jacobian has changed by cancels in the mean, and its square is left of each step.
+    /// The mean of the ideal points at both ends of a stretch about one whose inverse mapping is known, `half` to
+    /// either side: one step from there for each. What the Jacobian has changed by cancels in the mean, and its square
+    /// is left of each step.
     ///
     /// *Cost*: about 60 operations.
     pub(super) fn mean_of_ends(&self, ideal: &Mapped<S>, [u, w]: [S; 2], [half_u, half_w]: [S; 2]) -> [S; 2] {
