@@ -135,7 +135,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge
     /// points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and three to six thousand for each edge; docs/budget.md has them by
+    /// *Cost*: some seven to twelve instructions a pixel and two to four thousand for each edge; docs/budget.md has them by
     /// board, and what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {

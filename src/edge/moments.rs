@@ -32,7 +32,7 @@ impl Moments {
         }
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn of_flank<const PIXELS: usize>(pixels: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Self {
         match (pixels.first_chunk::<PIXELS>(), weights.first_chunk::<PIXELS>()) {
             (Some(pixels), Some(weights)) => Self::of_each(pixels, weights, levels_q8),
@@ -85,6 +85,7 @@ impl Moments {
             ((i64::from(self.widening_q15(norms)) * i64::from(self.residual_widening)) >> 13) as i32
         };
         let rest_q8 = ((self.residual_residual >> 4).saturating_sub(of_shift_q8).saturating_sub(of_width_q8)).max(0);
-        (rest_q8 as u32 >> 1).saturating_mul(norms.per_freedom_q16.into()) >> 3
+        // It fits: no flank has more than three pixels for a degree of freedom.
+        (((rest_q8 as u32 + 2) >> 2) * u32::from(norms.per_freedom_q16)) >> 2
     }
 }

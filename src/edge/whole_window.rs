@@ -65,7 +65,7 @@ fn sums(left: &[u8], right: &[u8]) -> u32 {
     }
 }
 
-#[inline(never)]
+#[inline(always)]
 fn sums_of_chunks<const PIXELS: usize>(left: &[u8], right: &[u8]) -> u32 {
     match (left.first_chunk::<PIXELS>(), right.first_chunk::<PIXELS>()) {
         (Some(left), Some(right)) => sum_both(left, right),
