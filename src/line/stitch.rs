@@ -12,7 +12,7 @@ pub(super) fn stitch_all<const LINES: usize, const KNOTS: usize>(
     let mut index = 0;
     while let Some(place) = table.under_way().get(index).copied() {
         let older = continued_by(table, limits, row, place);
-        if older.is_some_and(|older| table.append(older, place, limits).is_some()) {
+        if older.is_some_and(|older| table.append(older, place).is_some()) {
             table.leave_out(index);
         } else {
             index += 1;

@@ -5,7 +5,6 @@ use heapless::Vec;
 use super::line::Line;
 use super::track::{State, Track};
 use crate::edge::EdgePoint;
-use crate::setup::Limits;
 
 /// At most `LINES` lines of `KNOTS` knots each: those under way, and those that have ended and wait to be taken.
 #[derive(Debug)]
@@ -96,18 +95,18 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         self.occupied = 0;
     }
 
-    /// Starts a line at the first free place, if there is one.
-    pub(super) fn begin(&mut self, point: EdgePoint) -> Option<&mut Track<KNOTS>> {
+    /// Starts a line at the first free place; `false` where there is none.
+    pub(super) fn begin(&mut self, point: EdgePoint) -> bool {
         let mut slots = self.slots.iter_mut().enumerate().skip(self.occupied);
         let Some((place, slot)) = slots.find(|(_, slot)| slot.track().is_none()) else {
             self.occupied = LINES;
-            return None;
+            return false;
         };
         *slot = Slot::Taken(Track::new(point));
         self.occupied = place + 1;
         // There is room: one for each place.
         let _ = self.under_way.push(place as u16);
-        slot.track_mut()
+        true
     }
 
     /// Takes a line out of those under way; the last one takes its room. `swap_remove` could panic where code is small.
@@ -159,9 +158,9 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     }
 
     /// Appends a young line to the one that it continues and frees its place, unless they do not fit together.
-    pub(super) fn append(&mut self, older: u16, young: u16, limits: &Limits) -> Option<()> {
+    pub(super) fn append(&mut self, older: u16, young: u16) -> Option<()> {
         let track = self.take(young)?;
-        let is_joined = self.track_mut(older).is_some_and(|older| older.append_stitched(&track, limits));
+        let is_joined = self.track_mut(older).is_some_and(|older| older.append_stitched(&track));
         if !is_joined {
             *self.slots.get_mut(usize::from(young))? = Slot::Taken(track);
             return None;

@@ -6,7 +6,7 @@ use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
     LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16,
-    RENEWAL_POINTS, SCATTER_POINTS, YOUNG_POINTS,
+    SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
@@ -21,8 +21,6 @@ pub(crate) struct Track<const KNOTS: usize> {
     pub(super) filter: Filter,
     /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
-    /// How far off its prediction a point of the next row may lie, in 1/256 px: it is renewed in some of the rows.
-    gate_q8: u16,
     missed_rows: u16,
     /// Points since the last one that the model has located.
     unexpected_points: u8,
@@ -53,7 +51,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
             state: State::Tentative,
             filter: Filter::new(point.column_q16),
             model: None,
-            gate_q8: 0,
             missed_rows: 0,
             unexpected_points: 0,
             around: Around::UNSEEN,
@@ -64,8 +61,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
-        let gate_q16 = if rows == 1 { u32::from(self.gate_q8) << 8 } else { self.gate_after(rows, limits) };
-        Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
+        Prediction {
+            column_q16: self.filter.column_after(rows),
+            gate_q16: self.gate_after(rows, limits),
+            coasting: false,
+        }
     }
 
     /// How far off its prediction a point so many rows on may lie, in 1/65536 px.
@@ -78,20 +78,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
             gate_q16
         };
         gate_q16.min(MAX_GATE_Q16)
-    }
-
-    /// Renews the gate, which changes little from row to row once there are some points.
-    fn renew_gate(&mut self, limits: &Limits) {
-        let points = self.line.points();
-        if points < 4 * RENEWAL_POINTS || points.is_multiple_of(RENEWAL_POINTS) {
-            self.set_gate(limits);
-        }
-    }
-
-    #[inline(never)]
-    pub(super) fn set_gate(&mut self, limits: &Limits) {
-        // The widest one fits.
-        self.gate_q8 = (self.gate_after(1, limits) >> 8) as u16;
     }
 
     /// Two edges nearer than this cannot be told apart, because of their noise or their blur, in 1/65536 px: four sigma of the noise,
@@ -149,7 +135,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
             self.state = State::Confirmed;
         }
-        self.renew_gate(limits);
         true
     }
 
@@ -161,7 +146,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.unexpected_points > MOST_UNEXPECTED_POINTS {
             self.unexpected_points = 0;
             self.model = None;
-            self.set_gate(limits);
         }
         taken
     }
@@ -183,7 +167,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
             // What holds from now on held for the rows before as well.
             self.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
-            self.set_gate(limits);
         }
         self.unexpected_points = 0;
         // A row that disagrees with its line weighs less.
@@ -242,7 +225,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Goes on as a young line does.
-    pub(crate) fn append_stitched(&mut self, young: &Self, limits: &Limits) -> bool {
+    pub(crate) fn append_stitched(&mut self, young: &Self) -> bool {
         let mut later = young.line.clone();
         if self.is_beside_texture {
             later.raise_sigmas(self.stated_sigma_q16(young.scatter_sigma_q16()));
@@ -253,7 +236,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.filter.column_q16 = young.filter.column_q16;
         self.missed_rows = 0;
         self.state = State::Confirmed;
-        self.set_gate(limits);
         true
     }
 }

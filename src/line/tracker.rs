@@ -258,7 +258,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let mut tentative = Association::over(lines(Role::Tentative));
         let last = |settled: Outcome<'e>, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
-            Outcome::Unmatched(point) => tracker.begin(*point, limits),
+            Outcome::Unmatched(point) => tracker.begin(*point),
         };
         let mut first = |settled: Outcome<'e>, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
@@ -277,19 +277,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return;
         }
         if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(pair.point, limits)) {
-            self.begin(*pair.point, limits);
+            self.begin(*pair.point);
         }
     }
 
     /// Starts a tentative line, if there is room.
-    fn begin(&mut self, point: EdgePoint, limits: &Limits) {
-        match self.table.begin(point) {
-            // In its place, so that it is not copied once more.
-            Some(track) => track.set_gate(limits),
-            None => {
-                self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
-                self.count_dropped_point();
-            }
+    fn begin(&mut self, point: EdgePoint) {
+        if !self.table.begin(point) {
+            self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
+            self.count_dropped_point();
         }
     }
 

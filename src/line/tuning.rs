@@ -48,10 +48,6 @@ pub(super) const NO_TURN_Q16: u64 = 1 << 10;
 /// (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const MOST_UNEXPECTED_POINTS: u8 = 8;
 
-/// Points after which the gate of a line is renewed: with 16 the edges of round posts that wander are lost now and then
-/// (`real_cameras::round_posts_lit_from_the_side`).
-pub(super) const RENEWAL_POINTS: u16 = 4;
-
 /// From so many points on they tell how much they scatter, as a mean over the second number of points
 /// (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const SCATTER_POINTS: u16 = 12;
