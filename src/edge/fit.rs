@@ -62,22 +62,23 @@ impl EdgeModel {
     /// what they are off shifts all these rows alike: for a line it comes to the same, and each row for itself knows neither lag
     /// nor drift, and no bad start.
     ///
-    /// Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its plateau,
-    /// an error of the width would shift the edge.
+    /// Beside texture a plateau hardly tells the level at the edge: the edge's own pixels do. With one of the levels from its
+    /// plateau, an error of the width would shift the edge. With none from it at all, the column would be another one in rows and
+    /// frames that are found to be beside texture than in those that are not.
     fn step<P: Pixels>(&self, window: &Window<'_, P>, norms: &Norms, kind: usize) -> Option<Step> {
-        let means_q8 = self.levels_q8(kind);
-        let [left_q8, right_q8] = means_q8;
-        if self.is_textured() {
-            let moments = window.moments(means_q8);
-            let free = window.level_moments(means_q8).free(&moments, norms)?;
-            let FreeLevels { off_q8: [left_off_q8, right_off_q8], slope_slope } = free;
-            let moments = window.moments([left_q8 + left_off_q8, right_q8 + right_off_q8]);
-            return Some(Step { moments, slope_slope, off_q8: free.off_q8, change_q8: free.off_q8 });
-        }
+        let [left_q8, right_q8] = self.levels_q8(kind);
         let own_q8 = window.levels_q8()?;
         let [own_left_q8, own_right_q8] = own_q8;
         let moments = window.moments(own_q8);
         let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
+        if self.is_textured() {
+            let free = window.level_moments(own_q8).free(&moments, norms)?;
+            let FreeLevels { off_q8: [left_off_q8, right_off_q8], slope_slope } = free;
+            let moments = window.moments([own_left_q8 + left_off_q8, own_right_q8 + right_off_q8]);
+            let [own_left_off_q8, own_right_off_q8] = off_q8;
+            let off_q8 = [own_left_off_q8 + left_off_q8, own_right_off_q8 + right_off_q8];
+            return Some(Step { moments, slope_slope, off_q8, change_q8: off_q8 });
+        }
         Some(Step { slope_slope: norms.slope_slope, moments, off_q8, change_q8: self.departure(off_q8) })
     }
 
