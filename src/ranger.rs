@@ -135,7 +135,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge
     /// points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and three to six thousand for each edge; docs/budget.md has them by
+    /// *Cost*: some seven to twelve instructions a pixel and two to four thousand for each edge; docs/budget.md has them by
     /// board, and what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
@@ -157,7 +157,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        self.scanner.scan_beside(pixels, &explained.columns(row), |point| {
+        let mut columns: Vec<_, LINES> = Vec::new();
+        explained.add_columns(row, &mut columns);
+        self.scanner.scan_beside(pixels, &columns, |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -176,8 +178,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             self.tear();
             return Err(RowError::Jump { row });
         }
-        tracker.learn(row, pixel_row, self.scanner.noise_q8());
-        tracker.look_around(row, pixel_row);
+        tracker.look_at(row, pixel_row, self.scanner.noise_q8());
         Ok(())
     }
 
@@ -235,7 +236,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// The next range of those that are ready, in the order of the lines' places in the table. Ask until there is none
     /// after each row or frame: lines that nobody takes keep their places.
     pub fn next_range<S: Scalar, M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M) -> Option<Range<S>> {
-        self.tracker.next_line().map(|line| Range::from_line(setup, motion, &line))
+        let range = self.placed_line().map(|(_, line)| Range::from_line(setup, motion, line));
+        self.leave_line();
+        range
     }
 
     /// The next line of those that are ready, for those who range it themselves.
@@ -243,10 +246,15 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.tracker.next_line()
     }
 
-    /// The next line with its place in the table.
-    pub(crate) fn next_placed_line(&mut self) -> Option<(usize, Line<KNOTS>)> {
+    /// The line that [`next_line`](Self::next_line) would take, in its place in the table: there it needs no other room.
+    pub(crate) fn placed_line(&self) -> Option<(usize, &Line<KNOTS>)> {
         let place = self.tracker.ended().next_back()?;
-        self.tracker.next_line().map(|line| (place, line))
+        Some((place, self.tracker.line_at(place)?))
+    }
+
+    /// Gives up that line.
+    pub(crate) fn leave_line(&mut self) {
+        let _ = self.tracker.next_line();
     }
 
     /// The places of the lines that are ready.
@@ -357,8 +365,8 @@ fn refine_alone<P: Pixels, const LINES: usize>(
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {
-        let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| i64::from(next.column_q16));
-        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, i64::from(point.column_q16));
+        let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| next.column_q16);
+        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, point.column_q16);
         left_q16 = column_q16;
         if !demand.asks_for(point) {
             continue;

@@ -3,106 +3,135 @@
 use super::level_moments::FreeLevels;
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
-use super::norms::Norms;
+use super::norms::{Norms, saturated};
 use super::pixel_row::PixelRow;
 use super::template::Template;
+use super::whole_window::WholeWindow;
 use super::window::Window;
 use crate::format::Pixels;
 
 /// What a window shows.
-struct Step {
+struct Step<'t> {
+    template: &'t Template,
+    norms: &'t Norms,
     moments: Moments,
-    /// Product of the slope with itself, less what free levels explain.
-    slope_slope: i32,
-    /// The row's own levels minus the mean ones, and what of it is no noise.
+    contrast_q8: i32,
+    /// Product of the slope with itself, less what free levels explain, where they are free.
+    free_slope_slope: Option<i32>,
+    centre_q8: i32,
+    /// The row's own levels minus the mean ones.
     off_q8: [i32; 2],
-    change_q8: [i32; 2],
 }
 
 impl EdgeModel {
     /// Fits column, width and levels of the edge near the expected column.
     pub(super) fn fit<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
-        let column_q8 = expected_q16 >> 8;
+        let (column_q8, template) = (expected_q16 >> 8, self.template());
+        match WholeWindow::new(&row, column_q8, template, bounds_q8).filter(|_| !self.is_textured()) {
+            Some(window) => {
+                let own_q8 = window.levels_q8(template);
+                let (off_q8, contrast_q8) = self.against_means(row.kind(), own_q8)?;
+                let moments = window.moments(own_q8);
+                let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
+                Step { template, norms, moments, contrast_q8, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
+            }
+            None => self.fit_in_window(row, column_q8, bounds_q8),
+        }
+    }
+
+    /// Likewise where a part of the window may be cut off, the light is no bytes, or there is texture beside the edge.
+    #[inline(never)]
+    fn fit_in_window<P: Pixels>(&self, row: PixelRow<'_, P>, column_q8: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
         if !self.is_alone(column_q8, bounds_q8, row.columns()) {
             return None;
         }
-        let template = self.template();
-        let window = Window::new(row, column_q8, template, bounds_q8)?;
+        let window = Window::new(row, column_q8, self.template(), bounds_q8)?;
         let norms = window.norms();
-        let Step { moments, slope_slope, off_q8, change_q8 } = self.step(&window, &norms, row.kind())?;
-        let ([left_q8, right_q8], usual_q8) = (change_q8, self.contrast_q8(row.kind()));
-        let contrast_q6 = (usual_q8 + right_q8 - left_q8) >> 2;
-        if !is_alike(contrast_q6 << 2, usual_q8) || !norms.shows_edge() {
+        if !norms.shows_edge() {
             return None;
         }
-        // b/A in 1/2¹⁸ px and grey level.
-        let per_level_q18 = (i32::from(template.box_q8) << 16).checked_div(contrast_q6)?;
-        let shift_q16 = (i64::from(moments.shift_q16(&norms)) * i64::from(per_level_q18)) >> 16;
-        // Where free levels explain a part of the slope, the rest is less sure.
-        let has_free_levels = slope_slope != norms.slope_slope;
-        let of_noise_q8 = if has_free_levels { norms.sigma_of_part_q8(slope_slope) } else { norms.sigma_q8 };
-        let sigma_q8 = u32::from(of_noise_q8) * u32::from(self.noise_q8);
-        let sigma_q16 = (u64::from(sigma_q8 >> 4) * u64::from(per_level_q18.unsigned_abs())) >> 14;
-        Some(Fit {
-            column_q16: (window.centre_q8 << 8).checked_sub(i32::try_from(shift_q16).ok()?)?,
-            sigma_q16: sigma_q16.min(1 << 24) as i32,
-            width_q12: width_q12(template, moments.widening_q15(&norms), contrast_q6)?,
-            residual_q16: moments.residual_q16(&norms, has_free_levels),
-            off_q8,
-        })
+        if self.is_textured() {
+            return self.with_free_levels(&window, &norms)?.fit(self);
+        }
+        let own_q8 = window.levels_q8()?;
+        let (off_q8, contrast_q8) = self.against_means(row.kind(), own_q8)?;
+        let (moments, centre_q8, template) = (window.moments(own_q8), window.centre_q8, self.template());
+        Step { template, norms: &norms, moments, contrast_q8, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
     }
 
     /// Whether neither the border nor a neighbour's blur lies within the edge's own blur: its column would be biased.
     fn is_alone(&self, column_q8: i32, (left_q8, right_q8): (i32, i32), columns: i32) -> bool {
         let clear_q8 = 2 * i32::from(self.blur_q8()) + 256;
-        column_q8 - clear_q8 >= left_q8.max(0) && column_q8 + clear_q8 <= right_q8.min((columns.min(1 << 20) - 1) << 8)
+        column_q8 - clear_q8 >= left_q8.max(0) && column_q8 + clear_q8 <= right_q8.min((columns - 1) << 8)
     }
 
-    /// What a window shows against the levels that the row itself has: those of its plateaus. Means over rows are less noisy, but
-    /// what they are off shifts all these rows alike: for a line it comes to the same, and each row for itself knows neither lag
-    /// nor drift, and no bad start.
+    /// What the row's own levels, those of its plateaus, are off the mean ones, and the contrast, if such an edge is of the usual kind.
     ///
+    /// A window is compared with its own levels. Means over rows are less noisy, but what they are off shifts all these rows alike:
+    /// for a line it comes to the same, and each row for itself knows neither lag nor drift, and no bad start.
+    #[inline(always)]
+    fn against_means(&self, kind: usize, own_q8: [i32; 2]) -> Option<([i32; 2], i32)> {
+        let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(kind), own_q8);
+        let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
+        let [left_change_q8, right_change_q8] = off_q8.map(|off_q8| self.departure(off_q8));
+        let contrast_q8 = alike(right_q8 - left_q8, right_change_q8 - left_change_q8)?;
+        Some((off_q8, contrast_q8))
+    }
+
     /// Beside texture a plateau hardly tells the level at the edge: the edge's own pixels do. With one of the levels from its
     /// plateau, an error of the width would shift the edge. With none from it at all, the column would be another one in rows and
     /// frames that are found to be beside texture than in those that are not.
-    fn step<P: Pixels>(&self, window: &Window<'_, P>, norms: &Norms, kind: usize) -> Option<Step> {
-        let [left_q8, right_q8] = self.levels_q8(kind);
+    fn with_free_levels<'t, P: Pixels>(&self, window: &Window<'_, P>, norms: &'t Norms) -> Option<Step<'t>> {
+        let [left_q8, right_q8] = self.levels_q8(window.kind());
         let own_q8 = window.levels_q8()?;
         let [own_left_q8, own_right_q8] = own_q8;
         let moments = window.moments(own_q8);
-        let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
-        if self.is_textured() {
-            let free = window.level_moments(own_q8).free(&moments, norms)?;
-            let FreeLevels { off_q8: [left_off_q8, right_off_q8], slope_slope } = free;
-            let moments = window.moments([own_left_q8 + left_off_q8, own_right_q8 + right_off_q8]);
-            let [own_left_off_q8, own_right_off_q8] = off_q8;
-            let off_q8 = [own_left_off_q8 + left_off_q8, own_right_off_q8 + right_off_q8];
-            return Some(Step { moments, slope_slope, off_q8, change_q8: off_q8 });
-        }
-        Some(Step { slope_slope: norms.slope_slope, moments, off_q8, change_q8: self.departure(off_q8) })
+        let FreeLevels { off_q8: [free_left_q8, free_right_q8], slope_slope } =
+            window.level_moments(own_q8).free(&moments, norms)?;
+        let [found_left_q8, found_right_q8] = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
+        let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
+        let [left_off_q8, right_off_q8] = off_q8;
+        let contrast_q8 = alike(right_q8 - left_q8, right_off_q8 - left_off_q8)?;
+        let moments = window.moments([found_left_q8, found_right_q8]);
+        let (free_slope_slope, centre_q8, template) = (Some(slope_slope), window.centre_q8, self.template());
+        Some(Step { template, norms, moments, contrast_q8, free_slope_slope, centre_q8, off_q8 })
     }
 
-    /// What to add to the mean levels for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
+    /// What to add to a mean level for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
     /// another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
-    fn departure(&self, off_q8: [i32; 2]) -> [i32; 2] {
+    fn departure(&self, off_q8: i32) -> i32 {
         // Three sigma of a mean over four pixels.
         let most_q8 = u32::from(self.noise_q8) * 3 / 2;
-        off_q8.map(|off_q8| if off_q8.unsigned_abs() > most_q8 { off_q8 } else { 0 })
+        if off_q8.unsigned_abs() > most_q8 { off_q8 } else { 0 }
     }
 }
 
-/// Whether an edge of this contrast is of the usual kind: not so much weaker that it would only add noise, and at most twice
-/// as strong.
-const fn is_alike(contrast_q8: i32, usual_q8: i32) -> bool {
-    let (contrast_q8, usual_q8) = if usual_q8 < 0 { (-contrast_q8, -usual_q8) } else { (contrast_q8, usual_q8) };
-    3 * contrast_q8 >= 2 * usual_q8 && contrast_q8 <= 2 * usual_q8
+/// The contrast of a row, the usual one and what is added to it, if such an edge is of the usual kind: not so much weaker that it
+/// would only add noise, and at most twice as strong.
+fn alike(usual_q8: i32, more_q8: i32) -> Option<i32> {
+    let contrast_q8 = usual_q8 + more_q8;
+    let (size_q8, usual_q8) = if usual_q8 < 0 { (-contrast_q8, -usual_q8) } else { (contrast_q8, usual_q8) };
+    (3 * size_q8 >= 2 * usual_q8 && size_q8 <= 2 * usual_q8).then_some(contrast_q8)
 }
 
-/// The width of the edge: that of its template, and what the row says of it.
-fn width_q12(template: &Template, widening_q15: i32, contrast_q6: i32) -> Option<i32> {
-    // The widest template has 24 000: 29 bits.
-    let per_level_q10 = ((template.per_widening_q2 as i32) << 14).checked_div(contrast_q6)?;
-    let off_q12 = (i64::from(per_level_q10) * i64::from(widening_q15)) >> 13;
-    let width_q12 = i32::from(template.width_q8) << 4;
-    Some(width_q12 + off_q12.clamp(-(1 << 20), 1 << 20) as i32)
+impl Step<'_> {
+    #[inline(always)]
+    fn fit(&self, model: &EdgeModel) -> Option<Fit> {
+        let Self { template, norms, moments, contrast_q8, free_slope_slope, centre_q8, off_q8 } = self;
+        // b/A in 1/2¹⁸ px and grey level.
+        let size_q18 = (u32::from(template.box_q8) << 16).checked_div(contrast_q8.unsigned_abs() >> 2)?;
+        let per_level_q18 = if *contrast_q8 < 0 { -(size_q18 as i32) } else { size_q18 as i32 };
+        let shift_q16 = saturated((i64::from(moments.shift_q16(norms)) * i64::from(per_level_q18)) >> 16);
+        // Where free levels explain a part of the slope, the rest is less sure.
+        let of_noise_q8 = free_slope_slope.map_or(norms.sigma_q8, |slope_slope| norms.sigma_of_part_q8(slope_slope));
+        let sigma_q8 = (u32::from(of_noise_q8) * u32::from(model.noise_q8)) >> 8;
+        Some(Fit {
+            column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
+            // It saturates at 64 px.
+            sigma_q16: sigma_q8.saturating_mul(size_q18) >> 10,
+            width_q12: template.width_q12(moments.widening_q15(norms), per_level_q18),
+            residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),
+            off_q8: *off_q8,
+        })
+    }
 }

@@ -12,6 +12,7 @@ mod template;
 mod moments;
 mod level_moments;
 mod window;
+mod whole_window;
 mod model;
 mod fit;
 mod refine;

@@ -6,8 +6,8 @@ use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
-    BLUR_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, LEVEL_ROWS_LOG2,
-    MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    BLUR_ROWS_LOG2, CLASS_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2,
+    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -42,11 +42,11 @@ const LEAST_NOISE_Q16: u32 = 65536 / 12;
 /// What one row says, given the model.
 pub(super) struct Fit {
     pub(super) column_q16: i32,
-    pub(super) sigma_q16: i32,
+    pub(super) sigma_q16: u32,
     /// Width of the edge, whatever the lens.
     pub(super) width_q12: i32,
     /// Residual variance of a pixel.
-    pub(super) residual_q16: i32,
+    pub(super) residual_q16: u32,
     /// The row's own levels minus the mean ones.
     pub(super) off_q8: [i32; 2],
 }
@@ -118,10 +118,15 @@ impl EdgeModel {
     }
 
     /// One part in 2 to this power of the way to another blur.
-    pub(super) fn widen(&mut self, width_q12: i32, parts_log2: u32) {
+    fn blur_toward(&mut self, width_q12: i32, parts_log2: u32) {
         let blur_q12 = i32::from(self.blur_q12);
         let wider_q12 = width_q12.min(2 * blur_q12).max(blur_q12 / 2);
         self.blur_q12 = toward(self.blur_q12, wider_q12, parts_log2).clamp(LEAST_BLUR_Q8 << 4, MOST_BLUR_Q8 << 4);
+    }
+
+    /// Takes a row's blur for the edge's.
+    pub(super) fn widen(&mut self, width_q12: i32) {
+        self.blur_toward(width_q12, 0);
         self.class = class_of(self.blur_q12, self.class);
     }
 
@@ -168,10 +173,10 @@ impl EdgeModel {
     /// Running means: a small part of each new row, more at first.
     pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
-        let rows_log2 = 15 - u32::from(self.rows.get()).leading_zeros().saturating_sub(16);
+        let rows_log2 = 31 - u32::from(self.rows.get()).leading_zeros();
+        let (scatter_log2, levels_log2) = (rows_log2.min(BLUR_ROWS_LOG2), rows_log2.min(LEVEL_ROWS_LOG2));
         // A few rows of something else are no texture.
         let most_q8 = 4 * i32::from(self.white_q8);
-        let (scatter_log2, levels_log2) = (rows_log2.min(BLUR_ROWS_LOG2), rows_log2.min(LEVEL_ROWS_LOG2));
         for (level_scatter_q8, off_q8) in self.level_scatter_q8.iter_mut().zip(fit.off_q8) {
             *level_scatter_q8 = toward(*level_scatter_q8, off_q8.abs().min(most_q8), scatter_log2);
         }
@@ -181,12 +186,17 @@ impl EdgeModel {
             }
         }
         self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
-        self.widen(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));
+        self.blur_toward(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));
         let noise_q16 = self.noise_q16 as i32;
-        let residual_q16 = fit.residual_q16.min(noise_q16.saturating_mul(4).saturating_add(1 << 16));
+        let most_q16 = self.noise_q16.saturating_mul(4).saturating_add(1 << 16);
+        let residual_q16 = fit.residual_q16.min(most_q16) as i32;
         let change_q16 = part(residual_q16 - noise_q16, rows_log2.clamp(LEAST_NOISE_ROWS_LOG2, NOISE_ROWS_LOG2));
         self.noise_q16 = (noise_q16 + change_q16).max(LEAST_NOISE_Q16 as i32) as u32;
-        if rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << RENEWAL_ROWS_LOG2) {
+        let is_due = |rows: u32| rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << rows);
+        if is_due(CLASS_ROWS_LOG2) {
+            self.class = class_of(self.blur_q12, self.class);
+        }
+        if is_due(RENEWAL_ROWS_LOG2) {
             self.noise_q8 = self.noise_q16.isqrt() as u16;
         }
     }

@@ -5,7 +5,7 @@ use super::weight::Weight;
 
 /// Inner products of the residual with the slope of the expected step and with its change by the width. 32 bits hold the sums of
 /// the longest flank, 47 pixels, whatever its pixels.
-#[derive(Default)]
+#[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Moments {
     /// Of residuals in 1/64 grey level, each at most 64 levels.
     residual_residual: i32,
@@ -17,11 +17,45 @@ pub(super) struct Moments {
 const MOST_RESIDUAL_Q6: i32 = 64 << 6;
 
 /// A product with a reciprocal. It fits: a mean of residuals over a root of at least 1/47 of the norm.
-fn scaled(value: i32, per_q32: u32, shift: u32) -> i32 {
+fn scaled(value: i32, per_q32: i32, shift: u32) -> i32 {
     ((i64::from(value) * i64::from(per_q32)) >> shift) as i32
 }
 
 impl Moments {
+    /// Of grey bytes, as many as there are weights, given the levels to expect.
+    pub(super) fn of_bytes(pixels: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Self {
+        // Loops of the usual lengths are unrolled.
+        match weights.len() {
+            5 => Self::of_flank::<5>(pixels, weights, levels_q8),
+            7 => Self::of_flank::<7>(pixels, weights, levels_q8),
+            _ => Self::of_long_flank(pixels, weights, levels_q8),
+        }
+    }
+
+    #[inline(always)]
+    fn of_flank<const PIXELS: usize>(pixels: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Self {
+        match (pixels.first_chunk::<PIXELS>(), weights.first_chunk::<PIXELS>()) {
+            (Some(pixels), Some(weights)) => Self::of_each(pixels, weights, levels_q8),
+            _ => Self::default(),
+        }
+    }
+
+    #[inline(never)]
+    fn of_long_flank(pixels: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Self {
+        Self::of_each(pixels, weights, levels_q8)
+    }
+
+    #[inline(always)]
+    fn of_each(pixels: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Self {
+        let [left_q6, right_q6] = levels_q8.map(|level_q8| level_q8 >> 2);
+        let (contrast_q6, mut moments) = (right_q6 - left_q6, Self::default());
+        for (pixel, weight) in pixels.iter().zip(weights) {
+            let expected_q6 = left_q6 + ((contrast_q6 * i32::from(weight.step)) >> 15);
+            moments.add((i32::from(*pixel) << 6) - expected_q6, weight);
+        }
+        moments
+    }
+
     pub(super) fn add(&mut self, residual_q6: i32, weight: &Weight) {
         let size_q6 = residual_q6.clamp(-MOST_RESIDUAL_Q6, MOST_RESIDUAL_Q6 - 1);
         self.residual_residual += size_q6 * size_q6;
@@ -41,14 +75,17 @@ impl Moments {
 
     /// Residual variance of a pixel, in 1/65536 square grey level, less what shift and width explain; where the levels are free, too
     /// little would be left without the width's part.
-    pub(super) fn residual_q16(&self, norms: &Norms, has_free_levels: bool) -> i32 {
-        let of_shift_q12 = (i64::from(self.shift_q16(norms)) * i64::from(self.residual_slope)) >> 16;
-        let of_width_q12 = if has_free_levels {
+    #[inline(always)]
+    pub(super) fn residual_q16(&self, norms: &Norms, has_free_levels: bool) -> u32 {
+        // Either part fits: it is at most the sum of squares of 47 residuals of 255 levels.
+        let of_shift_q8 = ((i64::from(self.shift_q16(norms)) * i64::from(self.residual_slope)) >> 20) as i32;
+        let of_width_q8 = if has_free_levels {
             0
         } else {
-            (i64::from(self.widening_q15(norms)) * i64::from(self.residual_widening)) >> 9
+            ((i64::from(self.widening_q15(norms)) * i64::from(self.residual_widening)) >> 13) as i32
         };
-        let rest_q12 = (i64::from(self.residual_residual) - of_shift_q12 - of_width_q12).max(0);
-        ((rest_q12 * i64::from(norms.per_freedom_q16)) >> 8).min(1 << 30) as i32
+        let rest_q8 = ((self.residual_residual >> 4).saturating_sub(of_shift_q8).saturating_sub(of_width_q8)).max(0);
+        // It fits: no flank has more than three pixels for a degree of freedom.
+        (((rest_q8 as u32 + 2) >> 2) * u32::from(norms.per_freedom_q16)) >> 2
     }
 }

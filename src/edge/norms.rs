@@ -18,8 +18,8 @@ pub(super) struct Norms {
     /// Of the slope with itself.
     pub(super) slope_slope: i32,
     /// 2³² over the products of slope and widening with themselves.
-    pub(super) per_slope_q32: u32,
-    pub(super) per_widening_q32: u32,
+    pub(super) per_slope_q32: i32,
+    pub(super) per_widening_q32: i32,
     /// 2¹⁶ over the degrees of freedom of what remains, in sixteenths of a pixel.
     pub(super) per_freedom_q16: u16,
     /// Sigma of the shift for a unit of noise, in units of b per contrast.
@@ -74,12 +74,11 @@ impl Squares {
         }
         // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width explain a third.
         let freedom_q4 = 16 * (self.pixels - 2) + ratio(4 * self.pixels, left) + ratio(4 * self.pixels, right);
-        let widening_widening = if self.widening_widening > 0 { self.widening_widening } else { 1 };
         let of_levels_q12 = ratio(1 << 12, left) + ratio(1 << 12, right);
         Norms {
             slope_slope: self.slope_slope as i32,
-            per_slope_q32: ratio(u32::MAX, self.slope_slope),
-            per_widening_q32: ratio(u32::MAX, widening_widening),
+            per_slope_q32: reciprocal_q32(self.slope_slope),
+            per_widening_q32: reciprocal_q32(self.widening_widening),
             per_freedom_q16: ratio(1 << 16, freedom_q4) as u16,
             sigma_q8: sigma_q8(self.slope, self.slope_slope, of_levels_q12),
             slope: self.slope as u16,
@@ -102,10 +101,21 @@ const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
     (variance_q15 << 1).isqrt() as u16
 }
 
+/// 2³² over a sum of squares; for one below 3, which no flank has, as much as fits.
+const fn reciprocal_q32(squares: u32) -> i32 {
+    let reciprocal = ratio(u32::MAX, squares);
+    if reciprocal < 1 << 31 { reciprocal as i32 } else { i32::MAX }
+}
+
 /// A quotient by what is never zero.
 const fn ratio(numerator: u32, denominator: u32) -> u32 {
     match numerator.checked_div(denominator) {
         Some(quotient) => quotient,
         None => u32::MAX,
     }
+}
+
+/// A product as far as it fits.
+pub(super) fn saturated(value: i64) -> i32 {
+    i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX })
 }

@@ -30,9 +30,16 @@ impl Stretch {
 }
 
 impl<P: Pixels> PixelRow<'_, P> {
-    /// Number of pixels; what lies beyond 2³⁰ is out of reach of columns in 1/65536 px anyway.
+    /// Number of pixels; what lies beyond 2¹⁶ is out of reach of columns in 1/65536 px anyway.
     pub(super) fn columns(&self) -> i32 {
-        self.pixels.columns().min(1 << 30) as i32
+        self.pixels.columns().min(1 << 16) as i32
+    }
+
+    /// The light of a stretch, where that is its grey bytes.
+    #[inline(always)]
+    pub(super) fn light_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
+        let grey = self.pixels.grey().filter(|_| self.response.is_identity())?;
+        Some(grey.get(stretch.columns()).unwrap_or_default())
     }
 
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.
@@ -54,14 +61,15 @@ impl<P: Pixels> PixelRow<'_, P> {
 
     /// Sum of the light, in 1/256 of a level, of up to 65 536 pixels.
     fn sum_q8(&self, stretch: Stretch) -> u32 {
-        if !self.response.is_identity() {
-            let levels_q8 = self.pixels.levels_q8(stretch.columns());
-            return levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum();
+        match self.light_bytes(stretch) {
+            Some(bytes) => sum(bytes) << 8,
+            None => self.sum_of_light_q8(stretch),
         }
-        match self.pixels.grey() {
-            Some(grey) => sum(grey.get(stretch.columns()).unwrap_or_default()) << 8,
-            None => self.pixels.levels_q8(stretch.columns()).map(u32::from).sum(),
-        }
+    }
+
+    fn sum_of_light_q8(&self, stretch: Stretch) -> u32 {
+        let levels_q8 = self.pixels.levels_q8(stretch.columns());
+        levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum()
     }
 
     /// Grey levels of the four pixels on the right of a boundary less those on its left: boundary k lies between pixels k − 1
@@ -69,6 +77,10 @@ impl<P: Pixels> PixelRow<'_, P> {
     pub(crate) fn step_at(&self, boundary: i32) -> Option<i16> {
         const SIDE: usize = 4;
         let from = usize::try_from(boundary).ok()?.checked_sub(SIDE)?;
+        if let Some(grey) = self.pixels.grey() {
+            let [a, b, c, d, e, f, g, h] = grey.get(from..)?.first_chunk::<{ 2 * SIDE }>()?.map(i16::from);
+            return Some(e + f + g + h - (a + b + c + d));
+        }
         let pixels = from..from + 2 * SIDE;
         if pixels.end > self.pixels.columns() {
             return None;

@@ -6,12 +6,19 @@
 use super::model::{EdgeModel, Fit};
 use super::pixel_row::PixelRow;
 use super::point::EdgePoint;
-use super::scan::{ScannedPoint, Scanner};
+use super::scan::Scanner;
 use super::tuning::{
     LEAST_APART_Q16, LONG_BLUR_Q8, MOST_CORRECTIONS, MOST_DRAWN_Q16, MOST_RESIDUAL, MOST_SETTLING_STEPS, SURE_SIGMA_Q16,
 };
 use super::window::Neighbours;
 use crate::format::Pixels;
+
+/// What a row says of a tracked edge: its column with one sigma, in 1/65536 px, and its width in 1/256 px.
+pub(crate) struct LocatedPoint {
+    pub(crate) column_q16: i32,
+    pub(crate) sigma_q16: u32,
+    pub(crate) width_q8: u16,
+}
 
 impl EdgeModel {
     /// The model of an edge that a row shows, with levels and blur found each from the other: a long blur's width is only guessed at
@@ -30,7 +37,7 @@ impl EdgeModel {
             let (blur_q12, blur_q16) = (model.blur_q12, i32::from(model.blur_q12) << 4);
             let shift_q16 = fit.column_q16.saturating_sub(column_q16);
             column_q16 += shift_q16.clamp(-blur_q16, blur_q16);
-            model.widen(fit.width_q12, 0);
+            model.widen(fit.width_q12);
             model.look_beside(row, column_q16, bounds_q8)?;
             if model.blur_q12.abs_diff(blur_q12) < blur_q12 / 16 && shift_q16.saturating_abs() < blur_q16 / 16 {
                 break;
@@ -51,12 +58,11 @@ impl EdgeModel {
         } else {
             Self::new(row, edge, around.bounds_q8(), noise_q8)?
         };
-        let column_q16 = i64::from(edge.column_q16);
-        let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16);
+        let is_drawn = around.is_nearer_than(Scanner::SEES_ALONE_Q16, edge.column_q16);
         let drawn_q16 = if is_drawn { MOST_DRAWN_Q16 } else { 0 };
-        let found = model.locate(row, column_q16, i64::from(u16::MAX), drawn_q16, around)?;
+        let found = model.locate(row, edge.column_q16, u16::MAX.into(), drawn_q16, around)?;
         let is_sure = found.sigma_q16 < SURE_SIGMA_Q16;
-        if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, i64::from(found.column_q16)) {
+        if is_drawn && is_sure && around.is_nearer_than(LEAST_APART_Q16, found.column_q16) {
             return None;
         }
         let sigma_q16 = found.sigma_q16 + found.sigma_q16 / 4;
@@ -68,30 +74,24 @@ impl EdgeModel {
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         row: PixelRow<'_, P>,
-        expected_q16: i64,
-        gate_q16: i64,
-        drawn_q16: i64,
+        expected_q16: i32,
+        gate_q16: u32,
+        drawn_q16: u32,
         around: Neighbours,
-    ) -> Option<ScannedPoint> {
-        let (expected_q16, bounds_q8) = (i32::try_from(expected_q16).ok()?, around.bounds_q8());
+    ) -> Option<LocatedPoint> {
+        let bounds_q8 = around.bounds_q8();
         if !self.knows(row, expected_q16, bounds_q8) {
             return None;
         }
         let fit = self.approach(row, expected_q16, bounds_q8)?;
-        let blur_q16 = i32::from(self.blur_q12) << 4;
-        let gate_q16 = gate_q16.min(i64::from(4 * fit.sigma_q16 + blur_q16 / 4).max(drawn_q16));
-        let off_q16 = fit.column_q16.abs_diff(expected_q16);
-        if i64::from(off_q16) > gate_q16 || fit.residual_q16 as u32 > self.most_residual_q16() {
+        let noise_q16 = (4 * fit.sigma_q16).saturating_add(u32::from(self.blur_q12) << 2);
+        let is_within = fit.column_q16.abs_diff(expected_q16) <= gate_q16.min(noise_q16.max(drawn_q16));
+        if !is_within || fit.residual_q16 > self.most_residual_q16() {
             return None;
         }
         let width_q8 = self.row_width_q8(row.kind(), &fit);
         self.learn(row.kind(), &fit);
-        Some(ScannedPoint {
-            column_q16: fit.column_q16,
-            sigma_q16: fit.sigma_q16.max(1) as u32,
-            width_q8,
-            contrast: i16::try_from(self.contrast_q8(row.kind()) >> 8).ok()?,
-        })
+        Some(LocatedPoint { column_q16: fit.column_q16, sigma_q16: fit.sigma_q16.max(1), width_q8 })
     }
 
     /// The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
@@ -182,7 +182,7 @@ mod tests {
         let mut found = [(0.0, 0.0, 0.0); ROWS as usize];
         for row in 1..ROWS {
             simulator.row(row, &mut pixels);
-            let expected_q16 = (column(row) * 65536.0) as i64;
+            let expected_q16 = (column(row) * 65536.0) as i32;
             let Some(point) = model.locate(row_of(&pixels), expected_q16, 1 << 17, 0, Neighbours::NONE) else {
                 assert!(row < SETTLING, "lens {lens_px}, path {path_px}, seed {seed}: row {row}");
                 continue;
@@ -190,7 +190,8 @@ mod tests {
             let error_px = f64::from(point.column_q16) / 65536.0 - column(row);
             let sigma_px = f64::from(point.sigma_q16) / 65536.0;
             found[usize::from(row)] = (error_px, f64::from(point.width_q8) / 256.0, sigma_px);
-            line.push(point.at(row, readout.row_time_ns(row))).unwrap();
+            let at = EdgePoint::new(row, point.column_q16, readout.row_time_ns(row));
+            line.push(EdgePoint { sigma_q16: point.sigma_q16, width_q8: point.width_q8, ..at }).unwrap();
         }
         // As the line's mean, which leaves out the rows in which the model settles.
         let settled = &found[SETTLING.into()..];

@@ -88,7 +88,7 @@ const OWN_VARIANCE_Q1: i64 = 5;
 
 impl Scanner {
     /// Edges at least this far apart have no pixel of their windows in common.
-    pub(crate) const SEES_ALONE_Q16: i64 = (2 * WINDOW as i64) << 16;
+    pub(crate) const SEES_ALONE_Q16: u32 = (2 * WINDOW as u32) << 16;
 
     /// A scanner that has seen nothing yet.
     #[must_use]

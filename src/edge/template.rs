@@ -4,7 +4,7 @@
 //! line's class: what it is off is told by the products with the slope and with the change by the width, so that neither
 //! phases nor classes need to be fine.
 
-use super::norms::{Norms, Squares};
+use super::norms::{Norms, Squares, saturated};
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
 use super::weight::Weight;
@@ -18,8 +18,11 @@ pub(super) struct Template {
     pub(super) box_q8: u16,
     /// Half the width of what is neither 0 nor 1, in 1/256 px.
     pub(super) reach_q8: u16,
-    /// The width's change that one unit of [`Weight::widening`] stands for, in 1/4 px.
-    pub(super) per_widening_q2: u32,
+    /// The width's change that one unit of [`Weight::widening`] stands for, in 1/1024 of b.
+    per_widening_q10: u32,
+    /// One over the number of pixels of a plateau.
+    per_plateau_q20: u32,
+    far_q8: u16,
     /// Phases of the pixel: 2 to this power.
     phases_log2: u8,
     /// Pixels of each phase.
@@ -33,8 +36,13 @@ pub(super) struct Template {
 pub(super) struct Sampled {
     pub(super) first: i32,
     pub(super) centre_q8: i32,
+    pub(super) phase: &'static Phase,
+}
+
+/// What the pixels of a flank should show where the step lies at one phase of the pixel.
+pub(super) struct Phase {
     pub(super) weights: &'static [Weight],
-    pub(super) norms: &'static Norms,
+    pub(super) norms: Norms,
 }
 
 impl Template {
@@ -51,19 +59,35 @@ impl Template {
         // Half a pixel to either side of the middle one.
         let shifted = phase + (1 << self.phases_log2 >> 1);
         let (pixel, part) = (shifted >> self.phases_log2, shifted & ((1 << self.phases_log2) - 1));
-        let pixels = usize::from(self.pixels);
-        let from = usize::from(self.first) + part as usize * pixels;
         Sampled {
             first: pixel - i32::from(self.pixels / 2),
             centre_q8: phase << fine,
-            weights: WEIGHTS.get(from..from + pixels).unwrap_or_default(),
-            norms: NORMS.get(usize::from(self.first_phase) + part as usize).unwrap_or(&Norms::NONE),
+            phase: PHASES.get(usize::from(self.first_phase) + part as usize).unwrap_or(&NO_PHASE),
         }
+    }
+
+    /// The width of an edge: the template's, and what a row says of it where the width's best change is so many units, in 1/32768
+    /// grey level, and b/A this, in 1/2¹⁸ px and grey level.
+    pub(super) fn width_q12(&self, widening_q15: i32, per_level_q18: i32) -> i32 {
+        // It fits: at most 2¹⁹ times 2²¹.
+        let per_level_q10 = ((i64::from(per_level_q18) * i64::from(self.per_widening_q10)) >> 18) as i32;
+        let off_q12 = saturated((i64::from(per_level_q10) * i64::from(widening_q15)) >> 13);
+        (i32::from(self.width_q8) << 4) + off_q12.clamp(-(1 << 20), (1 << 20) - 1)
     }
 
     /// Pixels of a plateau on either side: beyond the reach of the blur.
     pub(super) const fn plateau(&self) -> i32 {
         self.pixels as i32 / 2 + PLATEAU
+    }
+
+    /// An edge so far from any other and from the border stands alone: its window is whole, and no other blur reaches into it.
+    pub(super) const fn far_q8(&self) -> i32 {
+        self.far_q8 as i32
+    }
+
+    /// Mean of the pixels of a plateau, in 1/256 level, to the nearest, from the sum of its grey levels.
+    pub(super) const fn mean_q8(&self, sum: u32) -> i32 {
+        ((sum * self.per_plateau_q20 + (1 << 11)) >> 12) as i32
     }
 }
 
@@ -126,25 +150,29 @@ static WEIGHTS: [Weight; WEIGHT_COUNT] = ALL_WEIGHTS;
 
 const WEIGHT_COUNT: usize = (WIDEST.first + WIDEST.weights()) as usize;
 
-static NORMS: [Norms; PHASE_COUNT] = {
-    let mut norms = [Norms::NONE; PHASE_COUNT];
-    let mut class = 0;
+const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE };
+
+static PHASES: [Phase; PHASE_COUNT] = {
+    let mut phases = [const { NO_PHASE }; PHASE_COUNT];
+    let (mut class, mut rest): (usize, &[Weight]) = (0, &WEIGHTS);
     while class < CLASSES {
         let template = &TEMPLATES[class];
         let mut phase = 0;
         while phase < 1 << template.phases_log2 {
+            let (weights, others) = rest.split_at(template.pixels as usize);
             let (mut sums, mut pixel) = (Squares::NONE, 0);
-            while pixel < template.pixels {
-                let at = template.first as usize + phase * template.pixels as usize + pixel as usize;
-                sums = sums.with(&ALL_WEIGHTS[at]);
+            while pixel < weights.len() {
+                sums = sums.with(&weights[pixel]);
                 pixel += 1;
             }
-            norms[template.first_phase as usize + phase] = sums.norms([template.plateau() as u32; 2]);
+            let norms = sums.norms([template.plateau() as u32; 2]);
+            phases[template.first_phase as usize + phase] = Phase { weights, norms };
+            rest = others;
             phase += 1;
         }
         class += 1;
     }
-    norms
+    phases
 };
 
 const PHASE_COUNT: usize = WIDEST.first_phase as usize + (1 << WIDEST.phases_log2);
@@ -183,7 +211,9 @@ impl Template {
         width_q8: 0,
         box_q8: 0,
         reach_q8: 0,
-        per_widening_q2: 0,
+        per_widening_q10: 0,
+        per_plateau_q20: 0,
+        far_q8: 0,
         phases_log2: 0,
         pixels: 0,
         first: 0,
@@ -197,15 +227,22 @@ impl Template {
             width_q8,
             box_q8: function.box_q8 as u16,
             reach_q8,
-            per_widening_q2: 0,
+            per_widening_q10: 0,
+            per_plateau_q20: 0,
+            far_q8: 0,
             phases_log2: phases_log2(width_q8),
             pixels: (2 * ((reach_q8 + 128) >> 8) + 1) as u8,
             first,
             first_phase,
         };
+        let plateau = template.plateau() as u32;
+        template.per_plateau_q20 = ((1 << 20) + plateau / 2) / plateau;
+        // The window, rounded to whole pixels, and the reach of a neighbour's blur.
+        template.far_q8 = (template.pixels as u16 / 2 + plateau as u16 + 1) * 256 + reach_q8;
         let largest = template.largest_widening(&function);
         // One unit is the largest change with the width, in 1/32768, over 127.
-        template.per_widening_q2 = (function.per_widening_q8 as u32) * (127 << 9) / largest as u32;
+        let per_widening = (function.per_widening_q8 as u64) * (127 << 25) / largest as u64;
+        template.per_widening_q10 = (per_widening / function.box_q8 as u64) as u32;
         template
     }
 

@@ -67,11 +67,11 @@ pub(super) const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 
 /// How far a neighbour may bias the scanner's column of an edge, in 1/65536 px
 /// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
-pub(super) const MOST_DRAWN_Q16: i64 = 5 << 14;
+pub(super) const MOST_DRAWN_Q16: u32 = 5 << 14;
 
 /// An edge that a row shows on its own must be so far from a neighbour, in 1/65536 px: nearer ones hide each other's levels
 /// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
-pub(super) const LEAST_APART_Q16: i64 = 5 << 16;
+pub(super) const LEAST_APART_Q16: u32 = 5 << 16;
 
 /// That is decided only where the column's sigma is below this, in 1/65536 px (`frames::faint_and_noisy_bars_are_found`).
 pub(super) const SURE_SIGMA_Q16: u32 = 1 << 13;
@@ -93,6 +93,9 @@ pub(super) const NOISE_ROWS_LOG2: u32 = 4;
 /// Rows, as a power of two, between which the root of the noise changes by less than a tenth of itself: it is taken anew only
 /// then, and in each of the first ones (`frames::sigma_is_honest`).
 pub(super) const RENEWAL_ROWS_LOG2: u32 = 4;
+
+/// Likewise for the class of the blur, which changes with it (`real_cameras::round_posts_lit_from_the_side` with 16 rows).
+pub(super) const CLASS_ROWS_LOG2: u32 = 2;
 
 /// A row whose residual variance is so many times that of the rows before shows something else
 /// (`clutter::crossing_bars_lead_no_line_astray`).

@@ -5,25 +5,24 @@ use super::moments::Moments;
 use super::norms::{Norms, Squares};
 use super::pixel_row::{PixelRow, Stretch};
 use super::point::EdgePoint;
-use super::template::Template;
-use super::tuning::PLATEAU;
+use super::template::{Sampled, Template};
 use super::weight::Weight;
 use crate::format::Pixels;
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Neighbours {
-    pub(crate) left_q16: i64,
-    pub(crate) right_q16: i64,
+    pub(crate) left_q16: i32,
+    pub(crate) right_q16: i32,
 }
 
 impl Neighbours {
     /// None near enough to matter.
-    pub(crate) const NONE: Self = Self { left_q16: -(1 << 36), right_q16: 1 << 36 };
+    pub(crate) const NONE: Self = Self { left_q16: i32::MIN, right_q16: i32::MAX };
 
     /// Whether one of them is.
-    pub(crate) const fn is_nearer_than(&self, distance_q16: i64, column_q16: i64) -> bool {
-        column_q16 - self.left_q16 < distance_q16 || self.right_q16 - column_q16 < distance_q16
+    pub(crate) const fn is_nearer_than(&self, distance_q16: u32, column_q16: i32) -> bool {
+        column_q16.abs_diff(self.left_q16) < distance_q16 || self.right_q16.abs_diff(column_q16) < distance_q16
     }
 
     /// The nearest of the edges in its row that end an edge's plateaus. One of its own polarity does not: it may be part of the
@@ -32,18 +31,17 @@ impl Neighbours {
         let mut around = Self::NONE;
         for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
             if column_q16 < edge.column_q16 {
-                around.left_q16 = around.left_q16.max(i64::from(column_q16));
+                around.left_q16 = around.left_q16.max(column_q16);
             } else if column_q16 > edge.column_q16 {
-                around.right_q16 = around.right_q16.min(i64::from(column_q16));
+                around.right_q16 = around.right_q16.min(column_q16);
             }
         }
         around
     }
 
-    /// Their columns in 1/256 px, within what any sum of two of them holds.
-    pub(super) fn bounds_q8(&self) -> (i32, i32) {
-        let column_q8 = |column_q16: i64| (column_q16 >> 8).clamp(-(1 << 28), 1 << 28) as i32;
-        (column_q8(self.left_q16), column_q8(self.right_q16))
+    /// Their columns in 1/256 px.
+    pub(super) const fn bounds_q8(&self) -> (i32, i32) {
+        (self.left_q16 >> 8, self.right_q16 >> 8)
     }
 }
 
@@ -66,14 +64,14 @@ impl<'p, P: Pixels> Window<'p, P> {
         template: &Template,
         bounds_q8: (i32, i32),
     ) -> Option<Self> {
-        let sampled = template.at(column_q8);
-        let (from_q8, to_q8) = view(column_q8, i32::from(template.reach_q8), bounds_q8);
+        let Sampled { first, centre_q8, phase } = template.at(column_q8);
+        let (left_q8, right_q8) = view(column_q8, i32::from(template.reach_q8), bounds_q8);
         let plateau = template.plateau();
-        let (whole_from, end) = (sampled.first - plateau, sampled.first + sampled.weights.len() as i32);
-        let from = ((from_q8 + 255) >> 8).max(whole_from).max(0);
-        let to = ((to_q8 >> 8) + 1).min(end + plateau).min(row.columns());
+        let (whole_from, end) = (first - plateau, first + phase.weights.len() as i32);
+        let from = ((left_q8 + 255) >> 8).max(whole_from).max(0);
+        let to = ((right_q8 >> 8) + 1).min(end + plateau).min(row.columns());
         // At least the outermost pixels tell the levels.
-        let (flank_from, flank_to) = (sampled.first.max(from + row.colours()), end.min(to - row.colours()));
+        let (flank_from, flank_to) = (first.max(from + row.colours()), end.min(to - row.colours()));
         if flank_from > flank_to {
             return None;
         }
@@ -83,11 +81,16 @@ impl<'p, P: Pixels> Window<'p, P> {
         Some(Self {
             row,
             flank: stretch(flank_from, flank_to),
-            weights: sampled.weights.get((flank_from - sampled.first) as usize..)?,
+            weights: phase.weights.get((flank_from - first) as usize..)?,
             plateaus: [stretch(from, flank_from), stretch(flank_to, to)],
-            whole: is_whole.then_some(sampled.norms),
-            centre_q8: sampled.centre_q8,
+            whole: is_whole.then_some(&phase.norms),
+            centre_q8,
         })
+    }
+
+    /// Which of its own levels the model of an edge has for this row.
+    pub(super) fn kind(&self) -> usize {
+        self.row.kind()
     }
 
     /// Made when the library is compiled, unless a neighbour or the border cuts off a part of the window.
@@ -142,11 +145,9 @@ impl<'p, P: Pixels> Window<'p, P> {
     }
 }
 
-/// From where to where an edge's pixels reach: its blur and a plateau on either side, up to where a neighbour's blur begins or
-/// half the way to it.
+/// From where to where the pixels are an edge's own: up to where a neighbour's blur begins, or half the way to it.
 fn view(column_q8: i32, reach_q8: i32, (left_q8, right_q8): (i32, i32)) -> (i32, i32) {
-    let far_q8 = 2 * reach_q8 + ((PLATEAU + 1) << 8);
     let left = (left_q8 + reach_q8).min((column_q8 + left_q8) >> 1);
     let right = (right_q8 - reach_q8).max((column_q8 + right_q8) >> 1);
-    ((column_q8 - far_q8).max(left), (column_q8 + far_q8).min(right))
+    (left, right)
 }

@@ -7,58 +7,58 @@ use crate::edge::EdgePoint;
 /// Where a line should cross a row, and how far from there its point may lie.
 #[derive(Clone, Copy)]
 pub(crate) struct Prediction {
-    pub(crate) column_q16: i64,
-    pub(crate) gate_q16: i64,
+    pub(crate) column_q16: i32,
+    pub(crate) gate_q16: u32,
     /// Whether it is so near to another line of its kind that a point there could be of either: it then takes none.
     pub(crate) coasting: bool,
 }
 
 /// A line or an edge on the way from left to right.
 #[derive(Clone, Copy)]
-enum Item {
-    Point(EdgePoint),
-    Line { slot: usize, gate_q16: i64, coasting: bool },
+enum Item<'e> {
+    Point(&'e EdgePoint),
+    Line { slot: u16, gate_q16: u32, coasting: bool },
 }
 
 /// An edge and a line that may belong together.
 #[derive(Clone, Copy)]
-pub(crate) struct Pair {
-    pub(crate) point: EdgePoint,
-    pub(crate) slot: usize,
-    distance_q16: i64,
+pub(crate) struct Pair<'e> {
+    pub(crate) point: &'e EdgePoint,
+    pub(crate) slot: u16,
+    distance_q16: u32,
     pub(crate) coasting: bool,
 }
 
 /// What has become of an edge.
-pub(crate) enum Outcome {
-    Matched(Pair),
-    Unmatched(EdgePoint),
+pub(crate) enum Outcome<'e> {
+    Matched(Pair<'e>),
+    Unmatched(&'e EdgePoint),
 }
 
 /// Matches edges to lines, both in the order of their columns: each other's nearest belong together.
-pub(crate) struct Association<I: Iterator<Item = (Prediction, usize)>> {
+pub(crate) struct Association<'e, I: Iterator<Item = (Prediction, u16)>> {
     lines: Peekable<I>,
     /// The item before, if it is not yet settled.
-    previous: Option<(i64, Item)>,
+    previous: Option<(i32, Item<'e>)>,
     /// The pair that the item before forms with the one before it.
-    pair: Option<Pair>,
+    pair: Option<Pair<'e>>,
 }
 
-impl<I: Iterator<Item = (Prediction, usize)>> Association<I> {
+impl<'e, I: Iterator<Item = (Prediction, u16)>> Association<'e, I> {
     pub(crate) fn over(lines: I) -> Self {
         Self { lines: lines.peekable(), previous: None, pair: None }
     }
 
     /// Takes the next point and hands to `settle` those that are now decided, in the order of columns.
-    pub(crate) fn point(&mut self, point: EdgePoint, settle: &mut impl FnMut(Outcome)) {
-        let column = i64::from(point.column_q16);
+    pub(crate) fn point(&mut self, point: &'e EdgePoint, settle: &mut impl FnMut(Outcome<'e>)) {
+        let column = point.column_q16;
         while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
             self.advance(Some(item_of(&line, slot)), settle);
         }
         self.advance(Some((column, Item::Point(point))), settle);
     }
 
-    pub(crate) fn finish(mut self, settle: &mut impl FnMut(Outcome)) {
+    pub(crate) fn finish(mut self, settle: &mut impl FnMut(Outcome<'e>)) {
         while let Some((line, slot)) = self.lines.next() {
             self.advance(Some(item_of(&line, slot)), settle);
         }
@@ -66,7 +66,7 @@ impl<I: Iterator<Item = (Prediction, usize)>> Association<I> {
     }
 
     /// Two neighbours of different kind are a pair unless one of them is nearer to its neighbour on the other side.
-    fn advance(&mut self, next: Option<(i64, Item)>, settle: &mut impl FnMut(Outcome)) {
+    fn advance(&mut self, next: Option<(i32, Item<'e>)>, settle: &mut impl FnMut(Outcome<'e>)) {
         let pair = match (self.previous, next) {
             (Some(left), Some(right)) => pair_up(left, right),
             _ => None,
@@ -89,13 +89,13 @@ impl<I: Iterator<Item = (Prediction, usize)>> Association<I> {
     }
 }
 
-fn item_of(line: &Prediction, slot: usize) -> (i64, Item) {
+fn item_of<'e>(line: &Prediction, slot: u16) -> (i32, Item<'e>) {
     (line.column_q16, Item::Line { slot, gate_q16: line.gate_q16, coasting: line.coasting })
 }
 
 /// An edge and a line within the line's gate.
-fn pair_up(left: (i64, Item), right: (i64, Item)) -> Option<Pair> {
-    let distance_q16 = right.0 - left.0;
+fn pair_up<'e>(left: (i32, Item<'e>), right: (i32, Item<'e>)) -> Option<Pair<'e>> {
+    let distance_q16 = right.0.abs_diff(left.0);
     match (left.1, right.1) {
         (Item::Point(point), Item::Line { slot, gate_q16, coasting })
         | (Item::Line { slot, gate_q16, coasting }, Item::Point(point)) => {

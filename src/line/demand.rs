@@ -12,13 +12,13 @@ pub(crate) struct Demand<const LINES: usize> {
 }
 
 struct Line {
-    column_q16: i64,
-    reach_q16: i64,
+    column_q16: i32,
+    reach_q16: u32,
     polarity: Polarity,
 }
 
 /// More than a point moves when it is refined alone.
-const MOST_REFINED_Q16: i64 = 1 << 16;
+const MOST_REFINED_Q16: u32 = 1 << 16;
 
 impl<const LINES: usize> Demand<LINES> {
     /// All points.
@@ -30,7 +30,7 @@ impl<const LINES: usize> Demand<LINES> {
     pub(super) fn restrict(&mut self, lines: impl Iterator<Item = (Prediction, Polarity)>) {
         let line = |(Prediction { column_q16, gate_q16, .. }, polarity)| Line {
             column_q16,
-            reach_q16: gate_q16 + MOST_REFINED_Q16,
+            reach_q16: gate_q16.saturating_add(MOST_REFINED_Q16),
             polarity,
         };
         self.lines = Some(lines.map(line).take(LINES).collect());
@@ -38,8 +38,7 @@ impl<const LINES: usize> Demand<LINES> {
 
     pub(crate) fn asks_for(&self, point: &EdgePoint) -> bool {
         let may_take = |line: &Line| {
-            let apart_q16 = line.column_q16 - i64::from(point.column_q16);
-            line.polarity == point.polarity && apart_q16.abs() <= line.reach_q16
+            line.polarity == point.polarity && line.column_q16.abs_diff(point.column_q16) <= line.reach_q16
         };
         self.lines.as_ref().is_none_or(|lines| lines.iter().any(may_take))
     }

@@ -14,8 +14,8 @@ pub(crate) struct Explained<const LINES: usize> {
 
 /// A located line: scanned points of its polarity near there are its own.
 struct Edge {
-    column_q16: i64,
-    reach_q16: i64,
+    column_q16: i32,
+    reach_q16: i32,
     polarity: Polarity,
     /// Nothing else is expected near it.
     is_alone: bool,
@@ -24,13 +24,13 @@ struct Edge {
 }
 
 /// Upper bound of [`Edge::reach_q16`].
-const MAX_REACH_Q16: i64 = 34 << 16;
+const MAX_REACH_Q16: i32 = 34 << 16;
 
 /// Half of the scanner's window, which sees an edge so much before its flank.
-const WINDOW_Q16: i64 = 4 << 16;
+const WINDOW_Q16: i32 = 4 << 16;
 
 /// The scanner leaves out whole blocks: what is that near may lie in one of them.
-const BLOCKS_Q16: i64 = 2 << (16 + 4);
+const BLOCKS_Q16: i32 = 2 << (16 + 4);
 
 impl<const LINES: usize> Explained<LINES> {
     pub(crate) const fn new() -> Self {
@@ -38,43 +38,47 @@ impl<const LINES: usize> Explained<LINES> {
     }
 
     /// Adds a located line; `others_q16` are the columns where lines are expected that have not been located.
-    pub(super) fn add(&mut self, point: &EdgePoint, others_q16: impl IntoIterator<Item = i64>) {
-        let column_q16 = i64::from(point.column_q16);
-        let reach_q16 = (5 << 16) / 2 + i64::from(point.width_q8) * 640;
-        let near_q16 = 2 * (reach_q16 + WINDOW_Q16) + BLOCKS_Q16;
-        let is_alone = others_q16.into_iter().all(|other_q16| (other_q16 - column_q16).abs() > near_q16);
+    pub(super) fn add(&mut self, point: &EdgePoint, others_q16: impl IntoIterator<Item = i32>) {
+        let column_q16 = point.column_q16;
+        // A row of a long blur may be wider than the blur itself can be.
+        let reach_q16 = ((5 << 16) / 2 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
+        let near_q16 = (2 * (reach_q16 + WINDOW_Q16) + BLOCKS_Q16).unsigned_abs();
+        let is_alone = others_q16.into_iter().all(|other_q16| other_q16.abs_diff(column_q16) > near_q16);
         let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_alone, is_seen: false };
-        // There is room: one per line at most.
-        let _ = self.edges.insert(self.edges.partition_point(|other| other.column_q16 <= column_q16), edge);
+        // There is room: one per line at most. They come in order but for a few.
+        if self.edges.last().is_none_or(|last| last.column_q16 <= column_q16) {
+            let _ = self.edges.push(edge);
+        } else {
+            let _ = self.edges.insert(self.edges.partition_point(|other| other.column_q16 <= column_q16), edge);
+        }
     }
 
-    /// The columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line would never be
+    /// Adds the columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line would never be
     /// seen.
-    pub(crate) fn columns(&self, row: u16) -> Vec<Range<u16>, LINES> {
-        let mut columns = Vec::new();
+    // Into a list that is there, since each one that is returned is copied.
+    pub(crate) fn add_columns(&self, row: u16, columns: &mut Vec<Range<u16>, LINES>) {
         if row.is_multiple_of(LOOK_BESIDE_ROWS) {
-            return columns;
+            return;
         }
         for edge in self.edges.iter().filter(|edge| edge.is_alone) {
             let reach_q16 = edge.reach_q16 + WINDOW_Q16;
-            let column = |column_q16: i64| (column_q16 >> 16).clamp(0, i64::from(u16::MAX)) as u16;
+            let column = |column_q16: i32| (column_q16 >> 16).clamp(0, u16::MAX.into()) as u16;
             // There is room: one per line at most.
-            let _ = columns.push(column(edge.column_q16 - reach_q16)..column(edge.column_q16 + reach_q16));
+            let (from_q16, to_q16) = (edge.column_q16 - reach_q16, edge.column_q16.saturating_add(reach_q16));
+            let _ = columns.push(column(from_q16)..column(to_q16));
         }
-        columns
     }
 
     /// Removes the scanned points that are explained. Returns how many of them are no line's own point once more.
     pub(super) fn remove_from<const POINTS: usize>(&mut self, points: &mut Vec<EdgePoint, POINTS>) -> u32 {
         let (mut nearby, mut strays) = (0, 0);
         points.retain(|point| {
-            let column_q16 = i64::from(point.column_q16);
-            let is_before = |edge: &&Edge| edge.column_q16 + MAX_REACH_Q16 < column_q16;
-            nearby += self.edges.iter().skip(nearby).take_while(is_before).count();
+            let apart_q16 = |edge: &Edge| edge.column_q16.saturating_sub(point.column_q16);
+            nearby += self.edges.iter().skip(nearby).take_while(|edge| apart_q16(edge) < -MAX_REACH_Q16).count();
             let explains = |edge: &&mut Edge| {
-                edge.polarity == point.polarity && (edge.column_q16 - column_q16).abs() <= edge.reach_q16
+                edge.polarity == point.polarity && apart_q16(edge).unsigned_abs() <= edge.reach_q16.unsigned_abs()
             };
-            let is_within = |edge: &&mut Edge| edge.column_q16 - MAX_REACH_Q16 <= column_q16;
+            let is_within = |edge: &&mut Edge| apart_q16(edge) <= MAX_REACH_Q16;
             let within = self.edges.iter_mut().skip(nearby).take_while(is_within);
             // The first is the line's own point once more; any other is stray.
             match within.filter(explains).reduce(|a, b| if a.is_seen { b } else { a }) {

@@ -115,9 +115,11 @@ impl Filter {
     }
 
     /// The column so many rows on, in 1/65536 px.
-    pub(super) fn column_after(&self, rows: u16) -> i64 {
-        let slope_q16 = i64::from(self.slope_q16);
-        i64::from(self.column_q16) + if rows == 1 { slope_q16 } else { slope_q16 * i64::from(rows) }
+    pub(super) fn column_after(&self, rows: u16) -> i32 {
+        if rows == 1 {
+            return self.column_q16.saturating_add(self.slope_q16);
+        }
+        self.column_q16.saturating_add(self.slope_q16.saturating_mul(rows.into()))
     }
 
     /// Four sigma of a point about its prediction so many rows on, in 1/65536 px: of the point itself, and of a line through the
@@ -137,15 +139,13 @@ impl Filter {
     pub(super) fn follow(&mut self, column_q16: i32, memory: Memory, rows: u16, in_texture: bool) {
         let predicted_q16 = self.column_after(rows);
         // No gate is as wide as that.
-        let off_q16 = (i64::from(column_q16) - predicted_q16).clamp(-(1 << 28), 1 << 28) as i32;
+        let off_q16 = column_q16.saturating_sub(predicted_q16).clamp(-(1 << 28), 1 << 28);
         let scatter_q16 = i32::from(self.scatter_q16);
         let more_q16 = off_q16.abs().min(4 * scatter_q16) - scatter_q16;
         let mean_q16 = scatter_q16 + part(more_q16, memory.0.scatter_q16);
         self.scatter_q16 = mean_q16.clamp(1, i32::from(MOST_SCATTER_Q16)) as u16;
-        let most_q16 = if in_texture { 2 * scatter_q16 } else { i32::MAX };
-        let off_q16 = off_q16.clamp(-most_q16, most_q16);
-        let column_q16 = predicted_q16 + i64::from(part(off_q16, memory.0.column_q16));
-        self.column_q16 = column_q16.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+        let off_q16 = if in_texture { off_q16.clamp(-2 * scatter_q16, 2 * scatter_q16) } else { off_q16 };
+        self.column_q16 = predicted_q16.saturating_add(part(off_q16, memory.0.column_q16));
         let turn_q16 = part(off_q16, memory.0.turn_q16);
         let turn_q16 = if rows > 1 { turn_q16.checked_div(rows.into()).unwrap_or(0) } else { turn_q16 };
         self.slope_q16 = self.slope_q16.saturating_add(turn_q16).clamp(-(1 << 30), 1 << 30);

@@ -21,18 +21,23 @@ impl Knot {
         Self { columns_q16: 0, times_ns: 0, variances_q32: 0, rows: 0, widths_q8: 0, points: 0, widths: 0 };
 
     pub(super) fn of(point: &EdgePoint, first: &EdgePoint) -> Self {
+        let mut knot = Self::EMPTY;
+        knot.add_point(point, first);
+        knot
+    }
+
+    /// Adds a point of the line that begins with `first`. Only times can saturate, and not those of points that a
+    /// [`Ranger`](crate::Ranger) has checked.
+    pub(super) fn add_point(&mut self, point: &EdgePoint, first: &EdgePoint) {
+        self.columns_q16 += i64::from(point.column_q16) - i64::from(first.column_q16);
+        self.times_ns = self.times_ns.saturating_add(point.time_ns.saturating_sub(first.time_ns));
         // So that a sum of 65535 squares fits, and that no weight is infinite.
         let sigma = u64::from(point.sigma_q16.clamp(1, EdgePoint::MAX_SIGMA_Q16));
-        let variance = sigma * sigma;
-        Self {
-            columns_q16: i64::from(point.column_q16) - i64::from(first.column_q16),
-            times_ns: point.time_ns.saturating_sub(first.time_ns),
-            variances_q32: variance,
-            rows: u32::from(point.row.abs_diff(first.row)),
-            widths_q8: u32::from(point.width_q8),
-            points: 1,
-            widths: u16::from(point.width_q8 > 0),
-        }
+        self.variances_q32 = self.variances_q32.saturating_add(sigma * sigma);
+        self.rows = self.rows.saturating_add(point.row.abs_diff(first.row).into());
+        self.widths_q8 = self.widths_q8.saturating_add(point.width_q8.into());
+        self.points = self.points.saturating_add(1);
+        self.widths = self.widths.saturating_add((point.width_q8 > 0).into());
     }
 
     /// Adds the sums of another knot. Only times can saturate, and not those of points that a [`Ranger`](crate::Ranger) has

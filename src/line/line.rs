@@ -60,7 +60,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
             of_pixels: false,
             span_log2: 0,
         };
-        line.add(&Knot::of(&first, &first), 0);
+        // There is room.
+        let _ = line.knots.push(Knot::of(&first, &first));
         line
     }
 
@@ -71,7 +72,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// *Cost*: a few dozen instructions, and a merge of all knots each time the line's length doubles.
     pub fn push(&mut self, point: EdgePoint) -> Result<(), OutOfOrder> {
         self.check_order(&point)?;
-        self.add(&Knot::of(&point, &self.first), point.row.abs_diff(self.first.row));
+        self.add(&point);
         self.last = point;
         self.points = self.points.saturating_add(1);
         Ok(())
@@ -81,7 +82,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     fn check_order(&self, point: &EdgePoint) -> Result<(), OutOfOrder> {
         let advance = i32::from(point.row) - i32::from(self.last.row);
         let so_far = i32::from(self.last.row) - i32::from(self.first.row);
-        let turned_back = advance.signum() * so_far.signum() < 0;
+        let turned_back = so_far != 0 && (advance ^ so_far) < 0;
         if advance == 0 || turned_back || point.time_ns < self.last.time_ns {
             return Err(OutOfOrder(*point));
         }
@@ -105,7 +106,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
                 rows: knot.rows.saturating_add(start.rows * u32::from(points)),
                 ..*knot
             };
-            self.add(&knot, knot.rows.checked_div(u32::from(points)).unwrap_or(0) as u16);
+            let index = self.index_of(knot.rows.checked_div(u32::from(points)).unwrap_or(0) as u16);
+            match self.knots.get_mut(index) {
+                Some(own) => own.add(&knot),
+                None => self.push_knot(index, knot),
+            }
         }
         self.last = later.last;
         self.points = self.points.saturating_add(later.points);
@@ -179,30 +184,48 @@ impl<const KNOTS: usize> Line<KNOTS> {
         filled.zip(kept).fold(0, |sum, (knot, kept)| if kept { knot.points.saturating_add(sum) } else { sum })
     }
 
-    /// Adds sums to the knot that covers the row `offset` rows from the first.
-    fn add(&mut self, sums: &Knot, offset: u16) {
-        while usize::from(offset >> self.span_log2) >= KNOTS {
-            self.merge();
-        }
-        let index = usize::from(offset >> self.span_log2);
-        while self.knots.len() <= index {
-            // Never full: the index is below the capacity.
-            let _ = self.knots.push(Knot::EMPTY);
-        }
-        if let Some(knot) = self.knots.get_mut(index) {
-            knot.add(sums);
+    /// Adds a point to its knot.
+    fn add(&mut self, point: &EdgePoint) {
+        let index = self.index_of(point.row.abs_diff(self.first.row));
+        match self.knots.get_mut(index) {
+            Some(knot) => knot.add_point(point, &self.first),
+            None => self.push_knot(index, Knot::of(point, &self.first)),
         }
     }
 
-    /// Doubles the span: merges each knot with its neighbour.
-    fn merge(&mut self) {
-        let mut merged: Vec<Knot, KNOTS> = Vec::new();
-        for pair in self.knots.chunks(2) {
-            let mut sum = Knot::EMPTY;
-            pair.iter().for_each(|knot| sum.add(knot));
-            let _ = merged.push(sum);
+    /// Which knot covers the row `offset` rows from the first.
+    fn index_of(&mut self, offset: u16) -> usize {
+        while usize::from(offset >> self.span_log2) >= KNOTS {
+            self.merge();
         }
-        self.knots = merged;
+        usize::from(offset >> self.span_log2)
+    }
+
+    /// Adds a knot of this index, which is below the capacity, and empty ones before it.
+    #[inline(never)]
+    fn push_knot(&mut self, index: usize, knot: Knot) {
+        while self.knots.len() < index {
+            let _ = self.knots.push(Knot::EMPTY);
+        }
+        let _ = self.knots.push(knot);
+    }
+
+    /// Doubles the span: merges each knot with its neighbour.
+    #[inline(never)]
+    fn merge(&mut self) {
+        let pairs = self.knots.len().div_ceil(2);
+        for pair in 0..pairs {
+            let second = self.knots.get(2 * pair + 1).copied();
+            let first = self.knots.get_mut(2 * pair);
+            let sum = first.map(|first| {
+                second.iter().for_each(|second| first.add(second));
+                *first
+            });
+            if let (Some(place), Some(sum)) = (self.knots.get_mut(pair), sum) {
+                *place = sum;
+            }
+        }
+        self.knots.truncate(pairs);
         self.span_log2 += 1;
     }
 }

@@ -8,10 +8,13 @@ mod line;
 mod association;
 mod filter;
 mod track;
+mod table;
+mod stitch;
 mod jump;
 mod counters;
 mod explained;
 mod demand;
+mod candidates;
 mod tracker;
 
 pub use counters::Counters;

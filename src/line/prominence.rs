@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use super::tuning::{ALIKE_ROWS, AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS};
+use super::tuning::{AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE};
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
 
@@ -37,7 +37,7 @@ impl Prominence {
         // Rows without a point have no contrast; the mean of n rows has √(8/n) of the deviation of one.
         let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
         let square = mean_q8 * mean_q8 * ((points * seen_q8 * seen_q8 * seen_q8) >> 24);
-        square < CHANCE_SIGMAS * CHANCE_SIGMAS * ALIKE_ROWS * sigma_q8 * sigma_q8
+        square < CHANCE_SIGMAS * CHANCE_SIGMAS * u64::from(ROWS_ALIKE_IN_TEXTURE) * sigma_q8 * sigma_q8
     }
 
     /// Mean contrast in grey levels; zero where none was looked at.
@@ -76,22 +76,19 @@ const UNSEEN: i16 = i16::MIN;
 impl Around {
     pub(super) const UNSEEN: Self = Self { steps: [UNSEEN; AROUND_PX.len()] };
 
-    /// Looks at the row of a point, at its line and beside it: at all places in the first row, then at one in every second row.
+    /// Looks at the row of a point, at its line and beside it: at all places in the first row, then at one; in every second row.
     pub(super) fn look<P: Pixels>(&mut self, prominence: &mut Prominence, row: PixelRow<'_, P>, point: &EdgePoint) {
+        if prominence.rows > 0 && !point.row.is_multiple_of(LOOK_ROWS) {
+            return;
+        }
         // Boundary k lies between pixels k − 1 and k, whose centres are at whole numbers.
         let boundary = (point.column_q16 >> 16) + 1;
         let Some(step) = row.step_at(boundary) else { return };
         let reach = i32::from(point.width_q8) >> 7;
         let beside = |off: i32| row.step_at(boundary + off + off.signum() * reach);
         if prominence.rows == 0 {
-            let mut sizes: Vec<u16, { 2 * AROUND_PX.len() }> = Vec::new();
-            for step in AROUND_PX.into_iter().flat_map(|off| [beside(off), beside(-off)]).flatten() {
-                let size = step.unsigned_abs();
-                // There is room for all of them.
-                let _ = sizes.insert(sizes.partition_point(|other| *other < size), size);
-            }
-            prominence.first_step = sizes.get((sizes.len() * 3 / 4).saturating_sub(1)).copied().unwrap_or(0);
-        } else if point.row.is_multiple_of(LOOK_ROWS) {
+            prominence.first_step = upper_quartile(AROUND_PX.into_iter().flat_map(|off| [beside(off), beside(-off)]));
+        } else {
             let index = usize::from(point.row / LOOK_ROWS) % AROUND_PX.len();
             let (Some(off), Some(before)) = (AROUND_PX.get(index), self.steps.get_mut(index)) else { return };
             let Some(step) = beside(*off) else { return };
@@ -105,6 +102,17 @@ impl Around {
         prominence.along = prominence.along.saturating_add(i32::from(if is_falling { -step } else { step }));
         prominence.rows = prominence.rows.saturating_add(1);
     }
+}
+
+/// Of the sizes of the steps beside a line, as many as there are.
+#[inline(never)]
+fn upper_quartile(steps: impl Iterator<Item = Option<i16>>) -> u16 {
+    let mut sizes: Vec<u16, { 2 * AROUND_PX.len() }> = Vec::new();
+    for size in steps.flatten().map(i16::unsigned_abs) {
+        // There is room for all of them.
+        let _ = sizes.insert(sizes.partition_point(|other| *other < size), size);
+    }
+    sizes.get((sizes.len() * 3 / 4).saturating_sub(1)).copied().unwrap_or(0)
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    LEAST_STITCH_POINTS, LIKE_ROWS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
-    NO_TURN_Q16, SCATTER_POINTS,
+    LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16,
+    RENEWAL_POINTS, SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
@@ -21,6 +21,8 @@ pub(crate) struct Track<const KNOTS: usize> {
     pub(super) filter: Filter,
     /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
+    /// How far off its prediction a point of the next row may lie, in 1/256 px: it is renewed in some of the rows.
+    gate_q8: u16,
     missed_rows: u16,
     /// Points since the last one that the model has located.
     unexpected_points: u8,
@@ -51,6 +53,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             state: State::Tentative,
             filter: Filter::new(point.column_q16),
             model: None,
+            gate_q8: 0,
             missed_rows: 0,
             unexpected_points: 0,
             around: Around::UNSEEN,
@@ -61,13 +64,40 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
-        let memory = self.memory();
-        let mut gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
-        if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
-            gate_q16 = gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.is_beside_texture));
-        }
-        let gate_q16 = i64::from(gate_q16.min(MAX_GATE_Q16));
+        let gate_q16 = if rows == 1 { u32::from(self.gate_q8) << 8 } else { self.gate_after(rows, limits) };
         Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
+    }
+
+    /// How far off its prediction a point so many rows on may lie, in 1/65536 px.
+    fn gate_after(&self, rows: u16, limits: &Limits) -> u32 {
+        let memory = self.memory();
+        let gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
+        let gate_q16 = if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
+            gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.is_beside_texture))
+        } else {
+            gate_q16
+        };
+        gate_q16.min(MAX_GATE_Q16)
+    }
+
+    /// Renews the gate, which changes little from row to row once there are some points.
+    fn renew_gate(&mut self, limits: &Limits) {
+        let points = self.line.points();
+        if points < 4 * RENEWAL_POINTS || points.is_multiple_of(RENEWAL_POINTS) {
+            self.set_gate(limits);
+        }
+    }
+
+    #[inline(never)]
+    pub(super) fn set_gate(&mut self, limits: &Limits) {
+        // The widest one fits.
+        self.gate_q8 = (self.gate_after(1, limits) >> 8) as u16;
+    }
+
+    /// Two edges nearer than this cannot be told apart, because of their noise or their blur, in 1/65536 px: four sigma of the noise,
+    /// or two of the blur.
+    pub(super) fn blur_q16(&self) -> u32 {
+        (4 * self.row_sigma_q16()).max(u32::from(self.line.last().width_q8) << 9)
     }
 
     fn memory(&self) -> Memory {
@@ -76,10 +106,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Counts a row without an edge.
-    pub(crate) fn has_missed_too_many(&mut self, limits: &Limits, row: u16) -> bool {
-        if self.line.last().row == row {
-            return false;
-        }
+    pub(crate) fn has_missed_too_many(&mut self, limits: &Limits) -> bool {
         self.missed_rows = self.missed_rows.saturating_add(1);
         if self.state == State::Confirmed && self.model.is_some() && self.missed_rows > MOST_GUESSED_ROWS {
             self.state = State::Hidden;
@@ -95,28 +122,18 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// Sigma of the last row by itself.
     fn row_sigma_q16(&self) -> u32 {
-        let like_rows = if self.is_beside_texture { LIKE_ROWS } else { 1 };
-        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16) / like_rows
+        self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16)
     }
 
-    /// What sigma of an edge to state: beside texture no less than the edges scatter, and more for what they have in common with
-    /// the rows around them.
+    /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the rows around
+    /// them the residuals of the fit will show.
     fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
-        if !self.is_beside_texture {
-            return sigma_q16;
-        }
-        sigma_q16.max(self.scatter_sigma_q16()).min(EdgePoint::MAX_SIGMA_Q16 / LIKE_ROWS) * LIKE_ROWS
+        if self.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
     }
 
     /// One sigma of normal values is 5/4 of their mean size.
     fn scatter_sigma_q16(&self) -> u32 {
         u32::from(self.filter.scatter_q16) * 5 / 4
-    }
-
-    /// Four sigma of the noise, or two of the blur.
-    pub(crate) fn blur_q16(&self) -> i64 {
-        let last = self.line.last();
-        i64::from((4 * self.row_sigma_q16()).max(u32::from(last.width_q8) << 9))
     }
 
     /// Takes an edge that matches.
@@ -132,47 +149,71 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
             self.state = State::Confirmed;
         }
+        self.renew_gate(limits);
         true
     }
 
     /// Takes a point that its row shows on its own. Where these go on and the model locates none, it was made from something
     /// else when the line was confirmed.
-    pub(crate) fn take_scanned(&mut self, point: EdgePoint, limits: &Limits) -> bool {
-        let taken = self.take(EdgePoint { sigma_q16: self.stated_sigma_q16(point.sigma_q16), ..point }, limits);
+    pub(crate) fn take_scanned(&mut self, point: &EdgePoint, limits: &Limits) -> bool {
+        let taken = self.take(EdgePoint { sigma_q16: self.stated_sigma_q16(point.sigma_q16), ..*point }, limits);
         self.unexpected_points = self.unexpected_points.saturating_add(u8::from(taken));
         if self.unexpected_points > MOST_UNEXPECTED_POINTS {
             self.unexpected_points = 0;
             self.model = None;
+            self.set_gate(limits);
         }
         taken
     }
 
-    /// The edge's point in a row of pixels, by the edge's model.
+    /// Takes the edge's point in a row of pixels, if its model finds it there.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         prediction: &Prediction,
         at: RowTime,
         row: PixelRow<'_, P>,
         around: Neighbours,
-    ) -> Option<EdgePoint> {
-        let model = self.model.as_mut()?;
-        let mut found = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around)?;
+        limits: &Limits,
+    ) -> bool {
+        let Some(model) = &mut self.model else { return false };
+        let Some(found) = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around) else {
+            return false;
+        };
         if model.is_surely_beside_texture() && !self.is_beside_texture {
             // What holds from now on held for the rows before as well.
             self.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
+            self.set_gate(limits);
         }
         self.unexpected_points = 0;
         // A row that disagrees with its line weighs less.
-        let off_q16 = i64::from(found.column_q16).abs_diff(prediction.column_q16);
-        found.sigma_q16 = self.stated_sigma_q16(found.sigma_q16.max((off_q16 / 2).min(1 << 24) as u32));
-        Some(found.at(at.row, at.time_ns))
+        let off_q16 = found.column_q16.abs_diff(prediction.column_q16);
+        let point = EdgePoint {
+            time_ns: at.time_ns,
+            column_q16: found.column_q16,
+            sigma_q16: self.stated_sigma_q16(found.sigma_q16.max(off_q16 / 2).min(EdgePoint::MAX_SIGMA_Q16)),
+            row: at.row,
+            width_q8: found.width_q8,
+            polarity: self.line.first().polarity,
+        };
+        self.take(point, limits)
     }
 
     /// Looks at what is around its last point.
     pub(crate) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
-        let point = *self.line.last();
-        self.around.look(&mut self.line.prominence, row, &point);
+        self.around.look(&mut self.line.prominence, row, &self.line.last);
+    }
+
+    /// Gives it a model of its edge, if there is one.
+    pub(super) fn set_model(&mut self, model: Option<EdgeModel>) {
+        self.model = model;
+        self.line.mark_as_of_pixels();
+    }
+
+    /// Whether it has been confirmed so lately that it may go on where another one broke off.
+    pub(super) fn is_young(&self) -> bool {
+        const MOST: u16 = if YOUNG_POINTS > MOST_STITCH_POINTS { YOUNG_POINTS } else { MOST_STITCH_POINTS };
+        self.state == State::Confirmed && self.line.points() <= MOST
     }
 
     /// Whether the line is so short that it may continue a hidden one, and long enough for its slope to be known.
@@ -182,13 +223,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// How far off this hidden line a young one goes on, if it may be the same edge: where it is expected, and as steep as far as its
     /// edges tell, if they are as noisy as this line's.
-    pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u64> {
+    pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u32> {
         let (mine, theirs) = (&self.line, &young.line);
         if self.state != State::Hidden || mine.first().polarity != theirs.first().polarity {
             return None;
         }
         let prediction = self.predict(theirs.last().row, limits);
-        let off_q16 = i64::from(young.filter.column_q16).abs_diff(prediction.column_q16);
+        let off_q16 = young.filter.column_q16.abs_diff(prediction.column_q16);
         let turn_q16 = u64::from(self.filter.slope_q16.abs_diff(young.filter.slope_q16));
         // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be noisier.
         let points = u64::from(theirs.points().max(1));
@@ -196,12 +237,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let scatter_q16 = u64::from(self.filter.scatter_q16.max(theirs_q16));
         let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
         let is_alike = mine.prominence.is_like(&theirs.prominence);
-        let goes_on = is_alike && off_q16 <= prediction.gate_q16.unsigned_abs() && turn_q16 <= most_turn_q16;
+        let goes_on = is_alike && off_q16 <= prediction.gate_q16 && turn_q16 <= most_turn_q16;
         goes_on.then_some(off_q16)
     }
 
     /// Goes on as a young line does.
-    pub(crate) fn append_stitched(&mut self, young: &Self) -> bool {
+    pub(crate) fn append_stitched(&mut self, young: &Self, limits: &Limits) -> bool {
         let mut later = young.line.clone();
         if self.is_beside_texture {
             later.raise_sigmas(self.stated_sigma_q16(young.scatter_sigma_q16()));
@@ -212,6 +253,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.filter.column_q16 = young.filter.column_q16;
         self.missed_rows = 0;
         self.state = State::Confirmed;
+        self.set_gate(limits);
         true
     }
 }

@@ -5,13 +5,17 @@
 /// strongest, and crossing bars are coherent (`false_distances::of_clutter` with 11; fewer real edges with more).
 pub(super) const CHANCE_SIGMAS: u64 = 12;
 
-/// Rows of texture that err alike: 2 to 4 were found in gravel, 8 where its cells are 12 px high (`false_distances::of_texture`).
-pub(super) const ALIKE_ROWS: u64 = 8;
+/// Rows that err alike: blur, levels and rounding are common to some of them
+/// (`clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const ROWS_ALIKE: u32 = 2;
+
+/// Likewise beside texture: 2 to 4 were found in gravel, 8 where its cells are 12 px high (`false_distances::of_texture`).
+pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = 8;
 
 /// Where the texture around a line is looked at, in pixels beyond its blur: within a few gates, on either side.
 pub(super) const AROUND_PX: [i32; 8] = [-8, 12, -16, 20, -24, 28, -32, 36];
 
-/// One of these places is looked at in every second row, so that each is seen again after 16 rows: texture has changed by
+/// The line and one of these places are looked at in every second row, so that each is seen again after 16 rows: texture has changed by
 /// then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences with more).
 pub(super) const LOOK_ROWS: u16 = 2;
 
@@ -44,6 +48,10 @@ pub(super) const NO_TURN_Q16: u64 = 1 << 10;
 /// (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const MOST_UNEXPECTED_POINTS: u8 = 8;
 
+/// Points after which the gate of a line is renewed: with 16 the edges of round posts that wander are lost now and then
+/// (`real_cameras::round_posts_lit_from_the_side`).
+pub(super) const RENEWAL_POINTS: u16 = 4;
+
 /// From so many points on they tell how much they scatter, as a mean over the second number of points
 /// (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const SCATTER_POINTS: u16 = 12;
@@ -51,14 +59,6 @@ pub(super) const SCATTER_MEMORY_POINTS: u32 = 24;
 
 /// Half a pixel, in 1/65536 px: what scatters more is no edge (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const MOST_SCATTER_Q16: u16 = 1 << 15;
-
-/// Rows that err alike: blur, levels and rounding are common to some of them; in texture more
-/// (`clutter::crossing_bars_lead_no_line_astray`).
-pub(super) const ROWS_ALIKE: u32 = 2;
-pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = ALIKE_ROWS as u32;
-
-/// Root of the number of rows in which texture errs alike (`clutter::crossing_bars_lead_no_line_astray`).
-pub(super) const LIKE_ROWS: u32 = 2;
 
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: u32 = 48 << 16;

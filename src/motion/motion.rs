@@ -39,10 +39,15 @@ impl<S: Scalar> Pose<S> {
         [x, y, z]
     }
 
+    /// The camera's x axis in the axes at frame start.
+    pub(crate) fn right(&self) -> [S; 3] {
+        self.rotation.map(|[x, ..]| x)
+    }
+
     /// [`rotate`](Self::rotate) of a direction across the camera's z axis.
     pub(crate) fn rotate_across(&self, [u, w]: [S; 2]) -> [S; 3] {
         let [[xx, xy, _], [yx, yy, _], [zx, zy, _]] = self.rotation;
-        [xx * u + xy * w, yx * u + yy * w, zx * u + zy * w]
+        [(xx * u).plus_product(xy, w), (yx * u).plus_product(yy, w), (zx * u).plus_product(zy, w)]
     }
 
     /// Position and attitude after moving on for a time at a velocity and a rotation rate that are constant *in the

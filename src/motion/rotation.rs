@@ -26,8 +26,8 @@ fn series<S: Scalar>(square: S) -> [S; 3] {
 /// second n.
 #[inline(always)] // so that no constant is divided at run time
 fn short_series<S: Scalar>(square: S, [first, second, third, fourth]: [i32; 4]) -> S {
-    let last = S::ratio(1, third) - square * S::ratio(1, fourth);
-    S::ratio(1, first) - square * (S::ratio(1, second) - square * last)
+    let last = S::ratio(1, third).minus_product(square, S::ratio(1, fourth));
+    S::ratio(1, first).minus_product(square, S::ratio(1, second).minus_product(square, last))
 }
 
 /// Squares of angles below one over this are those of small angles.

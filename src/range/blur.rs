@@ -3,7 +3,6 @@
 use super::equation::Equation;
 use super::line3::Line3;
 use super::observation::{Normals, Observer};
-use super::sample::Sample;
 use super::unknowns::Unknowns;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
@@ -29,8 +28,8 @@ pub(crate) struct BlurMeasurement<S> {
     sigma_lens_px: S,
 }
 
-/// Where the two places are, from either end of the line: the mean square of a path that changes linearly along it is that of these two
-/// (Gauss's rule).
+/// Where the two places are, from either end of the line: the mean square of a path that changes linearly along it is
+/// that of these two (Gauss's rule).
 const PLACE: (i32, i32) = (21_132, 100_000);
 
 /// Steps towards the best compromise of positions and blur before the rounds: two leave less than a fiftieth of a sigma, and
@@ -58,18 +57,16 @@ impl<S: Scalar> BlurMeasurement<S> {
         let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         // No row's width is off by more than half of it, and at most nine rows in a row err alike.
         let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.points())).sqrt();
-        let sigma_px = line.mean_width_sigma_px::<S>().min(most_px);
+        let width_sigma_px = line.mean_width_sigma_px::<S>();
+        let sigma_px = width_sigma_px.min(most_px);
         let half = blur.exposure_s * S::ratio(1, 2);
-        let mut sweep = |sample: Sample<S>| {
-            let mut at = |time_s: S| observer.observe(&Sample { time_s, ..sample }).map(|seen| seen.normals);
-            Some(at(sample.time_s - half)?.less(&at(sample.time_s + half)?))
-        };
+        let mut sweep = |part: S| observer.sweep(&line.point_between(part), half);
         let place = S::ratio(PLACE.0, PLACE.1);
         // A variance is a square: its logarithm has twice the relative error of the width.
         let relative_sigma = hypot(sigma_px / width_px, setup.sigma_blur());
         Some(Self {
-            sweeps: [sweep(line.point_between(place))?, sweep(line.point_between(S::ONE - place))?],
-            measured_px2: line.mean_square_width_px2()?,
+            sweeps: [sweep(place)?, sweep(S::ONE - place)?],
+            measured_px2: line.mean_square_width_px2(width_px, width_sigma_px),
             sigma_ln: relative_sigma + relative_sigma,
             lens_px: blur.lens_blur_px,
             sigma_lens_px: blur.sigma_lens_blur_px,
@@ -93,7 +90,8 @@ impl<S: Scalar> BlurMeasurement<S> {
 
     /// One sigma of the logarithm, the lens's own blur included.
     fn joint_sigma_ln(&self, path: &Path<S>) -> S {
-        hypot(self.sigma_ln, self.per_lens_px(path) * self.sigma_lens_px)
+        let of_lens = self.per_lens_px(path) * self.sigma_lens_px;
+        (self.sigma_ln * self.sigma_ln).plus_product(of_lens, of_lens).sqrt()
     }
 
     /// Path along the row during the exposure.
@@ -103,8 +101,9 @@ impl<S: Scalar> BlurMeasurement<S> {
         Some(Path::along([first.px()?, second.px()?], per_inverse_depth))
     }
 
-    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they lie, given
-    /// what the positions say of the inverse depth, as changes of it, each with what it costs; the better one first.
+    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they
+    /// lie, given what the positions say of the inverse depth, as changes of it, each with what it costs; the better
+    /// one first.
     pub(super) fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
         let path = self.path(unknowns)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();
@@ -166,8 +165,8 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 }
 
-/// The mean square of a path along the row, over the line, as a function of the inverse depth: translation moves a ray in proportion
-/// to the inverse depth, rotation does so at any depth.
+/// The mean square of a path along the row, over the line, as a function of the inverse depth: translation moves a ray
+/// in proportion to the inverse depth, rotation does so at any depth.
 #[derive(Clone, Copy)]
 pub(super) struct Path<S> {
     /// What changes with the inverse depth, in pixels: zero where the path is shortest.
@@ -225,20 +224,20 @@ impl<const KNOTS: usize> Line<KNOTS> {
         (sum.widths > sum.points / 2).then(|| S::from_ratio(i64::from(sum.widths_q8), i64::from(sum.widths) << 8))
     }
 
-    /// Mean square of the measured widths in square pixels, less what noise adds to it; `None` as [`mean_width_px`](Self::mean_width_px).
+    /// Mean square of the measured widths in square pixels, less what noise adds to it, from their mean and its sigma.
     /// Within a knot the widths are averaged first.
-    fn mean_square_width_px2<S: Scalar>(&self) -> Option<S> {
-        let (mean_px, sigma_px) = (self.mean_width_px::<S>()?, self.mean_width_sigma_px::<S>());
-        let (mut squares_q16, mut knots, mut widths) = (0_u64, 0, 0);
+    fn mean_square_width_px2<S: Scalar>(&self, mean_px: S, sigma_px: S) -> S {
+        let (mut squares_q16, mut knots, mut widths) = (S::ZERO, 0, 0);
         for knot in self.settled_knots().filter(|knot| knot.widths > 0) {
-            let square_q16 = u64::from(knot.widths_q8) * u64::from(knot.widths_q8) / u64::from(knot.widths);
-            squares_q16 = squares_q16.saturating_add(square_q16);
+            let (sum_q8, count) = (S::from_i64(knot.widths_q8.into()), S::from_i32(knot.widths.into()));
+            squares_q16 = squares_q16 + sum_q8 * sum_q8 / count;
             (knots, widths) = (knots + 1, widths + i64::from(knot.widths));
         }
-        let square_px2 = S::from_ratio(squares_q16.min(i64::MAX as u64) as i64, widths << 16);
-        // The noise of a mean width is at most the stated one, whose half is meant, and that of a row at most half of the width.
+        let square_px2 = squares_q16 / S::from_i64(widths << 16);
+        // The noise of a mean width is at most the stated one, whose half is meant, and that of a row at most half of
+        // the width.
         let most_px2 = mean_px * mean_px / S::from_i64(4 * widths);
-        Some(square_px2 - (sigma_px * sigma_px).half().min(most_px2) * S::from_i32(knots))
+        square_px2 - (sigma_px * sigma_px).half().min(most_px2) * S::from_i32(knots)
     }
 
     /// One standard deviation of the mean width: a width has one to two times the noise of its column.

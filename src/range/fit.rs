@@ -18,7 +18,6 @@ use heapless::Vec;
 use super::equation::Equations;
 use super::estimate::Estimate;
 use super::goodness_of_fit::GoodnessOfFit;
-use super::least_squares::Solution;
 use super::line_state::LineState;
 use super::line3::Line3;
 use super::observation::{Observation, Observer};
@@ -38,15 +37,16 @@ const PS_PER_S: i64 = 1_000_000_000_000;
 
 /// Bearing, inverse depth and tilt of one edge with their covariance, from at most `N` samples.
 ///
-/// The uncertainty of the setup is part of the covariance; of its limits, that of a bend is used, and its readout tells by how
-/// many rows samples are apart.
+/// The uncertainty of the setup is part of the covariance; of its limits, that of a bend is used, and its readout tells
+/// by how many rows samples are apart.
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
 /// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the tilt
 /// is free or outliers must be rejected. docs/budget.md has instructions and stack.
 ///
-/// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the paper's equation (3).
+/// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the
+/// paper's equation (3).
 ///
 /// ```
 /// use shutter_range::{Sample, Setup, Twist, Uncertainty, fit};
@@ -99,8 +99,14 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     prior: &Prior<'_, S>,
 ) -> Result<Fitted<S, N>, FitError> {
     let start = prior.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3);
-    let mut problem: Problem<'_, S, N> =
-        Problem { setup, prior, observations: Vec::new(), stretches: Vec::new(), equations: Equations::new() };
+    let mut problem: Problem<'_, S, N> = Problem {
+        setup,
+        prior,
+        observations: Vec::new(),
+        stretches: Vec::new(),
+        equations: Equations::new(),
+        last: Solved::NOTHING,
+    };
     problem.observe_all(motion, &start, samples)?;
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
     let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
@@ -108,11 +114,11 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     if inliers < least {
         return Err(FitError::TooFewSamples(inliers));
     }
-    let mut solved = problem.solve(&start.unknowns())?;
-    problem.settle_without_outliers(&mut solved)?;
-    let goodness_of_fit = problem.goodness_of_fit(&solved);
-    problem.settle_with_wander(&mut solved)?;
-    Ok(problem.conclude(motion, &start, &solved, goodness_of_fit))
+    problem.solve(&start.unknowns())?;
+    problem.settle_without_outliers()?;
+    let goodness_of_fit = problem.goodness_of_fit();
+    problem.settle_with_wander()?;
+    Ok(problem.conclude(motion, &start, goodness_of_fit))
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
@@ -135,7 +141,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             }
             let seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
             let stretch = Stretch::of(&sample, seen.sigma_px, rows_per_s);
-            let seen = seen.with_sigma(stretch.rough_sigma_px(roughness_px));
+            let is_rough = roughness_px > S::ZERO;
+            let seen = if is_rough { seen.with_sigma(stretch.rough_sigma_px(roughness_px)) } else { seen };
             let observation = Observation { is_inlier: !prior.left_out.contains(index), ..seen };
             self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
             self.stretches.push(stretch).map_err(|_| FitError::TooManySamples)?;
@@ -145,21 +152,21 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// The problem is linear but for tilt, blur, sigmas and the noise in q, which the first round leaves out.
     #[inline(never)]
-    fn solve(&mut self, start: &Unknowns<S>) -> Result<Solved<S>, FitError> {
+    fn solve(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
         if self.prior.state.is_some() {
             return self.settle_in_front(start);
         }
-        let (first, may_be_straight) = self.first_without_far_samples(start)?;
-        if !may_be_straight {
-            return self.settle(&first.found);
+        if self.first_without_far_samples()? {
+            return self.settle_best();
         }
-        self.settle_best(&first)
+        let first = self.last.found;
+        self.settle(&first)
     }
 
     /// With the sigmas that the residuals call for; the priors stay as they are.
     #[inline(never)]
-    fn settle_with_wander(&mut self, solved: &mut Solved<S>) -> Result<(), FitError> {
-        let Some(wander) = self.wander(&solved.solution) else { return Ok(()) };
+    fn settle_with_wander(&mut self) -> Result<(), FitError> {
+        let Some(wander) = self.wander() else { return Ok(()) };
         let observed = self.observations.iter_mut().zip(&mut self.equations.observed);
         for ((observation, equation), stretch) in observed.zip(&self.stretches) {
             let sigma_px = wander.sigma_px(stretch);
@@ -167,12 +174,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             *equation = equation.scaled(per_sigma * observation.sigma_px);
             (observation.sigma_px, observation.per_sigma) = (sigma_px, per_sigma);
         }
-        self.settle_again(solved)
+        self.settle_again()
     }
 
     /// What the residuals show, unless that is white noise as stated.
     #[inline(never)]
-    fn wander(&self, solution: &Solution<S>) -> Option<Wander<S>> {
+    fn wander(&self) -> Option<Wander<S>> {
         if self.prior.is_drawn {
             return None;
         }
@@ -181,7 +188,11 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {
             if observation.is_inlier {
                 // There is room: as many as observations.
-                let _ = residuals.push(Residual::new(stretch, observation.per_sigma, solution.deviation(equation)));
+                let _ = residuals.push(Residual::new(
+                    stretch,
+                    observation.per_sigma,
+                    self.last.solution.deviation(equation),
+                ));
             }
         }
         let uncertainty = self.setup.uncertainty();
@@ -192,14 +203,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// What the settled fit says, with the errors that all samples share.
     #[inline(never)]
-    fn conclude<M: Motion<S>>(
-        &self,
-        motion: &M,
-        axes: &Line3<S>,
-        solved: &Solved<S>,
-        goodness_of_fit: GoodnessOfFit<S>,
-    ) -> Fitted<S, N> {
-        let Solved { at, found, solution, is_in_front, has_settled } = solved;
+    fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, goodness_of_fit: GoodnessOfFit<S>) -> Fitted<S, N> {
+        let Solved { at, found, solution, is_in_front, has_settled } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = axes.with(*at).direction();
         let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
@@ -217,10 +222,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     #[inline(never)]
-    fn goodness_of_fit(&self, solved: &Solved<S>) -> GoodnessOfFit<S> {
+    fn goodness_of_fit(&self) -> GoodnessOfFit<S> {
         let kept = self.equations.observed.iter().zip(&self.observations);
         GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {
-            let residual_px = solved.solution.deviation(equation) * observation.sigma_px;
+            let residual_px = self.last.solution.deviation(equation) * observation.sigma_px;
             (residual_px, observation.sigma_px)
         }))
     }

@@ -22,6 +22,8 @@ pub(crate) struct Solution<S> {
     /// Components of y along q and along w⊥.
     rho: S,
     beta: S,
+    /// Change of the inverse depth: ρ less what of it the tilt takes.
+    inverse_depth: S,
 }
 
 /// Weighted least squares by orthogonalisation: first the constant, then q, then the part of w that is orthogonal to q.
@@ -31,18 +33,20 @@ pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) 
     let [mean_q, mean_w, mean_y] = equations.centre;
     let (mut qq, mut qw, mut qy) = (S::ZERO, S::ZERO, S::ZERO);
     for Equation { q, w, y, .. } in equations.iter() {
-        (qq, qw, qy) = (qq + *q * *q, qw + *q * *w, qy + *q * *y);
+        (qq, qw, qy) = (qq.plus_product(*q, *q), qw.plus_product(*q, *w), qy.plus_product(*q, *y));
     }
     let per_qq = over(qq);
     let (c, rho) = (qw * per_qq, qy * per_qq);
-    let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, ww: S::ZERO, rho, beta: S::ZERO };
+    let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, rho, inverse_depth: rho, ..Solution::NOTHING };
     if equations.has_tilt {
         let (mut ww, mut wy) = (S::ZERO, S::ZERO);
         for equation in equations.iter() {
             let across = solution.across(equation);
-            (ww, wy) = (ww + across * across, wy + across * (equation.y - rho * equation.q));
+            let off = equation.y.minus_product(rho, equation.q);
+            (ww, wy) = (ww.plus_product(across, across), wy.plus_product(across, off));
         }
         (solution.ww, solution.beta) = (ww, wy * over(ww));
+        solution.inverse_depth = rho.minus_product(c, solution.beta);
     }
     solution
 }
@@ -52,15 +56,15 @@ fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
     let (mut weight, mut q, mut w, mut y) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
     for equation in equations.iter() {
         let one = equation.one;
-        (weight, q) = (weight + one * one, q + one * equation.q);
-        (w, y) = (w + one * equation.w, y + one * equation.y);
+        (weight, q) = (weight.plus_product(one, one), q.plus_product(one, equation.q));
+        (w, y) = (w.plus_product(one, equation.w), y.plus_product(one, equation.y));
     }
     let per_weight = over(weight);
     let (q, w, y) = (q * per_weight, w * per_weight, y * per_weight);
     for equation in equations.iter_mut() {
         let one = equation.one;
-        (equation.q, equation.w) = (equation.q - one * q, equation.w - one * w);
-        equation.y = equation.y - one * y;
+        (equation.q, equation.w) = (equation.q.minus_product(one, q), equation.w.minus_product(one, w));
+        equation.y = equation.y.minus_product(one, y);
     }
     let [mean_q, mean_w, mean_y] = equations.centre;
     equations.centre = [mean_q + q, mean_w + w, mean_y + y];
@@ -68,9 +72,23 @@ fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
 }
 
 impl<S: Scalar> Solution<S> {
+    /// Of no equations.
+    pub(super) const NOTHING: Self = Self {
+        mean_q: S::ZERO,
+        mean_w: S::ZERO,
+        mean_y: S::ZERO,
+        weight: S::ZERO,
+        qq: S::ZERO,
+        c: S::ZERO,
+        ww: S::ZERO,
+        rho: S::ZERO,
+        beta: S::ZERO,
+        inverse_depth: S::ZERO,
+    };
+
     /// The part of w that is orthogonal to q: what of the tilt does not look like depth.
     fn across(&self, equation: &Equation<S>) -> S {
-        equation.w - self.c * equation.q
+        equation.w.minus_product(self.c, equation.q)
     }
 
     /// Changes of bearing, inverse depth and tilt.
@@ -92,17 +110,18 @@ impl<S: Scalar> Solution<S> {
 
     /// Residual of an equation in units of its own noise.
     pub(crate) fn deviation(&self, equation: &Equation<S>) -> S {
-        equation.y - self.rho * equation.q - self.beta * self.across(equation)
+        equation.y.minus_product(self.inverse_depth, equation.q).minus_product(self.beta, equation.w)
     }
 
     /// Sum of the squares of all deviations, those from the priors included.
     pub(crate) fn cost<const N: usize>(&self, equations: &Equations<S, N>) -> S {
-        equations.iter().map(|equation| self.deviation(equation)).fold(S::ZERO, |sum, off| sum + off * off)
+        equations.iter().map(|equation| self.deviation(equation)).fold(S::ZERO, |sum, off| sum.plus_product(off, off))
     }
 
     /// The q and the w of an equation before it was centred.
     pub(crate) fn uncentred(&self, equation: &Equation<S>) -> [S; 2] {
-        [equation.q + equation.one * self.mean_q, equation.w + equation.one * self.mean_w]
+        let Equation { one, q, w, .. } = *equation;
+        [q.plus_product(one, self.mean_q), w.plus_product(one, self.mean_w)]
     }
 
     /// Zero where tilt is not estimated.
@@ -153,9 +172,9 @@ impl<S: Scalar> Response<S> {
 
     /// Adds an error of y of an equation, in its sigma.
     pub(crate) fn add(&mut self, solution: &Solution<S>, equation: &Equation<S>, error: S) {
-        self.mean = self.mean + error * equation.one;
-        self.along = self.along + error * equation.q;
-        self.across = self.across + error * solution.across(equation);
+        self.mean = self.mean.plus_product(error, equation.one);
+        self.along = self.along.plus_product(error, equation.q);
+        self.across = self.across.plus_product(error, solution.across(equation));
     }
 
     /// Changes of bearing, inverse depth and tilt.

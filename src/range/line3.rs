@@ -23,7 +23,8 @@ impl<S: Scalar> Line3<S> {
         let length = (gx * gx + gy * gy).sqrt();
         // A camera that looks straight down has no such direction; every sample is then refused as sideways.
         let lean = if length > S::ZERO { [gy / length, -gx / length, S::ZERO] } else { [S::ONE, S::ZERO, S::ZERO] };
-        Self { bearing: S::ZERO, inverse_depth: S::ZERO, tilt: S::ZERO, gravity, lean }
+        let Unknowns { bearing, inverse_depth, tilt } = Unknowns::NOTHING;
+        Self { bearing, inverse_depth, tilt, gravity, lean }
     }
 
     pub(crate) fn direction(&self) -> [S; 3] {

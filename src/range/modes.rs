@@ -50,7 +50,7 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
     pub(super) fn advance(&mut self) {
         let [mean, growth] = self.recurrence;
         for ([value, before], place) in self.values.iter_mut().zip(&self.places) {
-            (*value, *before) = (*value * (*place - mean) - *before * growth, *value);
+            (*value, *before) = ((*value * (*place - mean)).minus_product(*before, growth), *value);
         }
         self.measure();
     }
@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
         let (mut sum, mut moment) = (S::ZERO, S::ZERO);
         for ([value, _], place) in self.values.iter().zip(&self.places) {
             let square = *value * *value;
-            (sum, moment) = (sum + square, moment + square * *place);
+            (sum, moment) = (sum + square, moment.plus_product(square, *place));
         }
         let per_square_before = self.per_square;
         self.per_square = over(sum);

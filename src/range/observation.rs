@@ -3,7 +3,7 @@
 use super::sample::Sample;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, add, cross, dot, over, scale};
-use crate::setup::{Camera, RaySpan};
+use crate::setup::{Camera, LensPoint, RaySpan};
 
 /// A normal `n` of the plane through a ray and a direction, as far as a line through the plane y = 0 needs it.
 #[derive(Clone, Copy)]
@@ -23,7 +23,7 @@ impl<S: Scalar> Normal<S> {
 
     /// Of a direction in the image plane.
     fn of_flat([x, y, z]: [S; 3], [ex, ey, _]: [S; 3], position: [S; 3]) -> Self {
-        let normal = [-(z * ey), z * ex, x * ey - y * ex];
+        let normal = [-(z * ey), z * ex, (x * ey).minus_product(y, ex)];
         let [x, _, z] = normal;
         Self { x, z, moved: dot(normal, position) }
     }
@@ -43,13 +43,6 @@ pub(crate) struct Normals<S> {
     /// Their changes by a pixel along the row.
     pub(crate) down_per_px: Normal<S>,
     pub(crate) lean_per_px: Normal<S>,
-}
-
-impl<S: Scalar> Normals<S> {
-    /// How much further along the row this one misses a line than another one nearby.
-    pub(super) fn less(self, other: &Self) -> Self {
-        Self { down: self.down.less(&other.down), lean: self.lean.less(&other.lean), ..self }
-    }
 }
 
 /// A sample as a ray, and its noise.
@@ -84,42 +77,52 @@ pub(crate) struct Observer<'a, S, M> {
     lean: [S; 3],
     /// Whether the camera does not turn.
     is_steady: bool,
-    /// Offset that the lens had at the last sample: its inversion starts from there.
-    lens_offset: [S; 2],
+    /// Where the lens has seen the last sample.
+    last: Option<LensPoint<S>>,
 }
 
 impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
     pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, [gravity, lean]: [[S; 3]; 2]) -> Self {
-        Self { camera, motion, gravity, lean, is_steady: motion.keeps_attitude(), lens_offset: [S::ZERO; 2] }
+        Self { camera, motion, gravity, lean, is_steady: motion.keeps_attitude(), last: None }
     }
 
     /// `None` where the lens model has no ray.
     pub(crate) fn observe(&mut self, sample: &Sample<S>) -> Option<Observation<S>> {
         let spread = &sample.spread;
         let (at, half) = ([sample.column_px, sample.row_px], [spread.column_px, spread.row_px]);
-        let span = self.camera.rays(at, half, &mut self.lens_offset)?;
+        let span = self.camera.rays(at, half, &mut self.last)?;
         let rays = self.rays(&span, sample.time_s, spread.time_s);
         let Rays { direction, along_row, position, .. } = rays;
-        let mut down = Normal::of(direction, self.gravity, position);
+        let [mut down, lean] = self.normals(direction, position);
+        let [down_per_px, lean_per_px] = self.normals(along_row, position);
         // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and that
         // of a product the product of the means and this. What it would add to the lean is the product of two small numbers.
         down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
-        let normals = Normals {
-            down,
-            lean: Normal::of_flat(direction, self.lean, position),
-            down_per_px: Normal::of(along_row, self.gravity, position),
-            lean_per_px: Normal::of_flat(along_row, self.lean, position),
-        };
         Some(Observation {
-            normals,
+            normals: Normals { down, lean, down_per_px, lean_per_px },
             bearings: span.middle,
             time_s: sample.time_s,
             sigma_px,
             per_sigma: over(sigma_px),
             is_inlier: true,
         })
+    }
+
+    /// What the ray of a point at the start of a time differs by from that at its end.
+    pub(super) fn sweep(&mut self, point: &Sample<S>, half_s: S) -> Option<Normals<S>> {
+        let span = self.camera.rays([point.column_px, point.row_px], [S::ZERO; 2], &mut self.last)?;
+        let [start, end] = [-half_s, half_s].map(|off_s| self.rays(&span, point.time_s + off_s, S::ZERO));
+        let [down, lean] = self.normals(start.direction, start.position);
+        let [down_later, lean_later] = self.normals(end.direction, end.position);
+        let [down_per_px, lean_per_px] = self.normals(start.along_row, start.position);
+        Some(Normals { down: down.less(&down_later), lean: lean.less(&lean_later), down_per_px, lean_per_px })
+    }
+
+    /// Those through a ray and the two directions that an edge is made of.
+    fn normals(&self, ray: [S; 3], position: [S; 3]) -> [Normal<S>; 2] {
+        [Normal::of(ray, self.gravity, position), Normal::of_flat(ray, self.lean, position)]
     }
 
     /// The rays in the axes of frame start, where they look and where from.
@@ -131,7 +134,9 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
             let (direction, half, along_row) = ([u, w, S::ONE], [half_u, half_w, S::ZERO], [du, dw, S::ZERO]);
             return Rays { direction, half, along_row, position, half_position };
         }
-        let (across, along_row) = (pose.rotate_across(span.middle), pose.rotate_across([du, dw]));
+        let across = pose.rotate_across(span.middle);
+        let is_straight = dw == S::ZERO;
+        let along_row = if is_straight { scale(pose.right(), du) } else { pose.rotate_across([du, dw]) };
         if half_s == S::ZERO {
             return Rays {
                 direction: add(pose.ahead(), across),

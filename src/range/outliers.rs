@@ -7,56 +7,55 @@ use super::problem::{Problem, Solved};
 use super::tuning::{
     FAR_SIGMAS, MOST_REJECTIONS, MOST_SCATTER, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS,
 };
-use super::unknowns::Unknowns;
 use crate::error::FitError;
 use crate::scalar::Scalar;
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
-    /// The first round, without the samples that are so far off that even its equations tell: with them the rounds would lead
-    /// nowhere. And whether what is left may be a straight edge.
+    /// The first round, without the samples that are so far off that even its equations tell: with them the rounds
+    /// would lead nowhere. Whether what is left may be a straight edge.
     #[inline(never)]
-    pub(super) fn first_without_far_samples(&mut self, start: &Unknowns<S>) -> Result<(Solved<S>, bool), FitError> {
-        let first = self.first_round(start)?;
-        let sizes = self.deviations(&first.solution, &[]);
+    pub(super) fn first_without_far_samples(&mut self) -> Result<bool, FitError> {
+        self.first_round()?;
+        let sizes = self.deviations(&self.last.solution, &[]);
         let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
         if !(part > S::from_i32(FAR_SIGMAS)) {
-            return Ok((first, true));
+            return Ok(true);
         }
         if !is_beyond_robust_scale(part, &sizes) {
-            return Ok((first, self.may_be_straight(&first.solution)));
+            return Ok(self.may_be_straight());
         }
         // Some or none: its equations have been reweighted.
-        let _ = self.reject_outliers(&first.solution);
-        let first = self.first_round(start)?;
-        Ok((first, self.may_be_straight(&first.solution)))
+        let _ = self.reject_outliers();
+        self.first_round()?;
+        Ok(self.may_be_straight())
     }
 
-    fn may_be_straight(&self, solution: &Solution<S>) -> bool {
-        self.scatter(solution) < S::from_i32(MOST_SCATTER * MOST_SCATTER)
+    fn may_be_straight(&self) -> bool {
+        self.scatter() < S::from_i32(MOST_SCATTER * MOST_SCATTER)
     }
 
     /// Rejects samples as long as there are outliers, and settles again without them.
     #[inline(never)]
-    pub(super) fn settle_without_outliers(&mut self, solved: &mut Solved<S>) -> Result<(), FitError> {
+    pub(super) fn settle_without_outliers(&mut self) -> Result<(), FitError> {
         for _ in 0..MOST_REJECTIONS {
-            if !self.has_suspicious_samples(&solved.solution) {
+            if !self.has_suspicious_samples() {
                 break;
             }
             // Without the outliers the edge lies near where the others have it.
-            let Some(change) = self.reject_outliers(&solved.solution) else {
-                *solved = self.repeat(&solved.at, solved.has_settled)?;
-                break;
-            };
-            *solved = self.settle(&solved.at.moved(change))?;
+            let Solved { at, has_settled, .. } = self.last;
+            match self.reject_outliers() {
+                Some(change) => self.settle(&at.moved(change))?,
+                None => return self.repeat(&at, has_settled),
+            }
         }
         Ok(())
     }
 
-    /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is to say
-    /// that most samples deviate by less than a third of that.
+    /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is
+    /// to say that most samples deviate by less than a third of that.
     #[inline(never)]
-    fn has_suspicious_samples(&self, solution: &Solution<S>) -> bool {
-        let sizes = self.deviations(solution, &[]);
+    fn has_suspicious_samples(&self) -> bool {
+        let sizes = self.deviations(&self.last.solution, &[]);
         let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
         part > least_scale() && is_beyond_robust_scale(part, &sizes)
     }
@@ -75,11 +74,11 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a third
-    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to, or `None` where
-    /// none is rejected.
+    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to, or
+    /// `None` where none is rejected.
     #[inline(never)]
-    fn reject_outliers(&mut self, solution: &Solution<S>) -> Option<[S; 3]> {
-        let (solution, scales) = self.reweight(solution);
+    fn reject_outliers(&mut self) -> Option<[S; 3]> {
+        let (solution, scales) = self.reweight();
         let sizes = self.deviations(&solution, &scales);
         let count = sizes.len();
         // From few samples the robust scale is not well known.
@@ -98,8 +97,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution, and by what
     /// the noise of each observation has been scaled.
     #[inline(never)]
-    fn reweight(&mut self, solution: &Solution<S>) -> (Solution<S>, Vec<S, N>) {
-        let mut solution = *solution;
+    fn reweight(&mut self) -> (Solution<S>, Vec<S, N>) {
+        let mut solution = self.last.solution;
         let mut scales: Vec<S, N> = Vec::new();
         for _ in &self.observations {
             let _ = scales.push(S::ONE);

@@ -16,7 +16,7 @@ use crate::error::FitError;
 use crate::scalar::{Scalar, over};
 use crate::setup::Setup;
 
-/// What is to be fitted, and the equations of the last round.
+/// What is to be fitted, and the last round: its equations and what they have told.
 pub(super) struct Problem<'a, S, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) prior: &'a Prior<'a, S>,
@@ -24,6 +24,7 @@ pub(super) struct Problem<'a, S, const N: usize> {
     /// The parts of the edge that these are of.
     pub(super) stretches: Vec<Stretch<S>, N>,
     pub(super) equations: Equations<S, N>,
+    pub(super) last: Solved<S>,
 }
 
 /// The outcome of a round.
@@ -40,6 +41,15 @@ pub(super) struct Solved<S> {
 }
 
 impl<S: Scalar> Solved<S> {
+    /// Of no round.
+    pub(super) const NOTHING: Self = Self {
+        at: Unknowns::NOTHING,
+        found: Unknowns::NOTHING,
+        solution: Solution::NOTHING,
+        is_in_front: false,
+        has_settled: false,
+    };
+
     /// Half of the way that this round has gone.
     fn halfway(&self) -> Unknowns<S> {
         self.at.moved(self.solution.change().map(|change| change * S::ratio(1, 2)))
@@ -54,10 +64,14 @@ enum Round {
     Later,
 }
 
-/// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in front of
-/// the camera.
+/// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in
+/// front of the camera.
 fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Round) -> Option<(Equation<S>, bool)> {
-    let residual = at.residual(&observation.normals);
+    let normals = &observation.normals;
+    let residual = match round {
+        Round::First => normals.residual_of_nothing(),
+        Round::Later => at.residual(normals),
+    };
     if !(residual.per_bearing.abs() > S::ratio(LEAST_CROSSING.0, LEAST_CROSSING.1)) {
         return None;
     }
@@ -68,10 +82,10 @@ fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Rou
     let per_miss = observation.per_sigma / residual.per_px;
     let y = -(residual.miss * per_miss);
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
-    let [one_per_px, q_per_px] = at.change_along_row(&observation.normals);
-    if round == Round::Later && !(one_per_px == S::ZERO && q_per_px == S::ZERO) {
-        let off_px = y * observation.sigma_px;
-        (one, q) = (one + one_per_px * off_px, q + q_per_px * off_px);
+    let change = if round == Round::Later { at.change_along_row(normals) } else { [S::ZERO; 2] };
+    if change != [S::ZERO; 2] {
+        let ([one_per_px, q_per_px], off_px) = (change, y * observation.sigma_px);
+        (one, q) = (one.plus_product(one_per_px, off_px), q.plus_product(q_per_px, off_px));
     }
     let equation = Equation { one: one * per_miss, q: q * per_miss, w: residual.per_tilt * per_miss, y };
     Some((equation, residual.is_in_front()))
@@ -79,7 +93,7 @@ fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Rou
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
-    fn round(&mut self, at: &Unknowns<S>, round: Round) -> Result<Solved<S>, FitError> {
+    fn round(&mut self, at: &Unknowns<S>, round: Round) -> Result<(), FitError> {
         let equations = &mut self.equations;
         equations.clear();
         let mut is_in_front = true;
@@ -95,62 +109,64 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let solution = solve(equations);
         let found = at.moved(solution.change());
         let is_in_front = is_in_front && found.inverse_depth > S::ZERO;
-        Ok(Solved { at: *at, found, solution, is_in_front, has_settled: true })
+        self.last = Solved { at: *at, found, solution, is_in_front, has_settled: true };
+        Ok(())
     }
 
     /// The first round, from nothing: the positions and the prior of the tilt alone.
-    pub(super) fn first_round(&mut self, at: &Unknowns<S>) -> Result<Solved<S>, FitError> {
-        self.round(at, Round::First)
+    pub(super) fn first_round(&mut self) -> Result<(), FitError> {
+        self.round(&Unknowns::NOTHING, Round::First)
     }
 
     /// A round once more: its equations are needed, and others have been made since.
-    pub(super) fn repeat(&mut self, at: &Unknowns<S>, has_settled: bool) -> Result<Solved<S>, FitError> {
-        Ok(Solved { has_settled, ..self.round(at, Round::Later)? })
+    pub(super) fn repeat(&mut self, at: &Unknowns<S>, has_settled: bool) -> Result<(), FitError> {
+        self.round(at, Round::Later)?;
+        self.last.has_settled = has_settled;
+        Ok(())
     }
 
-    /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro between two
-    /// places meet halfway. `None` where they do not converge.
-    fn converge(&mut self, start: &Unknowns<S>) -> Option<Solved<S>> {
+    /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro
+    /// between two places meet halfway. Whether they converge.
+    fn converge(&mut self, start: &Unknowns<S>) -> bool {
         let nearby = S::ratio(1, NEARBY_PART * NEARBY_PART);
-        let mut solved = self.round(start, Round::Later).ok()?;
-        let mut step = solved.solution.step_squared();
-        for round in 1..MOST_ROUNDS {
-            if self.has_settled(&solved, step) {
-                return Some(solved);
+        let mut next = *start;
+        let mut before = S::ZERO;
+        for round in 1..=MOST_ROUNDS {
+            if self.round(&next, Round::Later).is_err() {
+                return false;
             }
-            let before = step;
-            let next = if round < FULL_ROUNDS { solved.found } else { solved.halfway() };
-            solved = self.round(&next, Round::Later).ok()?;
-            step = solved.solution.step_squared();
+            let step = self.last.solution.step_squared();
             // These are squares. Rounds that converge do so much faster: what is left is rounding.
-            if step < nearby && step > before.half() {
-                return Some(solved);
+            if round > 1 && step < nearby && step > before.half() || round < MOST_ROUNDS && self.has_settled(step) {
+                return true;
             }
+            (before, next) = (step, if round < FULL_ROUNDS { self.last.found } else { self.last.halfway() });
         }
-        None
+        false
     }
 
-    /// Whether another round would change next to nothing: this one has not moved the estimate far, and neither the samples at
-    /// both ends nor the blur have departed on the way from what their equations foretell. What scatters more than stated is
-    /// known less well.
-    fn has_settled(&self, solved: &Solved<S>, step_squared: S) -> bool {
+    /// Whether another round would change next to nothing: this one has not moved the estimate far, and neither the
+    /// samples at both ends nor the blur have departed on the way from what their equations foretell. What scatters
+    /// more than stated is known less well.
+    fn has_settled(&self, step_squared: S) -> bool {
         let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
         let has_settled = |scatter: S| {
-            let is_near = step_squared < scatter && self.blur_moves(solved) < settled * scatter;
-            step_squared < settled * scatter || is_near && self.is_linear(solved, settled * scatter)
+            let is_near = step_squared < scatter && self.blur_moves() < settled * scatter;
+            step_squared < settled * scatter || is_near && self.is_linear(settled * scatter)
         };
-        has_settled(S::ONE) || has_settled(self.scatter(&solved.solution).max(S::ONE))
+        has_settled(S::ONE) || has_settled(self.scatter().max(S::ONE))
     }
 
-    /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed by as much,
-    /// what they tell by less than the square root of `settled` sigmas, and each sigma by less than a thousandth.
-    fn is_linear(&self, solved: &Solved<S>, settled: S) -> bool {
-        let solution = &solved.solution;
+    /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed
+    /// by as much, what they tell by less than the square root of `settled` sigmas, and each sigma by less than a
+    /// thousandth.
+    fn is_linear(&self, settled: S) -> bool {
+        let Solved { found, solution, .. } = &self.last;
         let [per_q, per_w] = [over(solution.information_of_inverse_depth()), solution.variance_of_tilt()];
         let (mut of_y, mut of_sigmas) = (S::ZERO, S::ZERO);
         let mut pairs = self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.is_inlier);
         for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
-            let Some((new, _)) = observe(observation, &solved.found, Round::Later) else { return false };
+            let Some((new, _)) = observe(observation, found, Round::Later) else { return false };
             let [q, w] = solution.uncentred(old);
             let (of_q, of_w, off) = (new.q - q, new.w - w, new.y - solution.deviation(old));
             of_sigmas = of_sigmas + of_q * of_q * per_q + of_w * of_w * per_w;
@@ -161,45 +177,49 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     /// Mean square of all deviations.
-    pub(super) fn scatter(&self, solution: &Solution<S>) -> S {
-        solution.cost(&self.equations) / S::from_i32(self.observations.len().max(1) as i32)
+    pub(super) fn scatter(&self) -> S {
+        self.cost() / S::from_i32(self.observations.len().max(1) as i32)
     }
 
-    /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its part in
-    /// the gradient.
-    fn blur_moves(&self, solved: &Solved<S>) -> S {
+    /// Sum of the squares of all deviations.
+    fn cost(&self) -> S {
+        self.last.solution.cost(&self.equations)
+    }
+
+    /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its
+    /// part in the gradient.
+    fn blur_moves(&self) -> S {
         let (Some(blur), Some(old)) = (self.prior.blur, self.equations.prior.last()) else { return S::ZERO };
-        let solution = &solved.solution;
+        let Solved { found, solution, .. } = &self.last;
         let [q, _] = solution.uncentred(old);
         let before = q * solution.deviation(old);
-        let Some((new, _)) = blur.equation(&solved.found) else { return S::ONE };
+        let Some((new, _)) = blur.equation(found) else { return S::ONE };
         let change = new.q * new.y - before;
         change * change * over(solution.information_of_inverse_depth())
     }
 
     /// The same. What does not converge is no straight edge; one round tells roughly where it is.
-    #[inline(never)]
-    pub(super) fn settle(&mut self, start: &Unknowns<S>) -> Result<Solved<S>, FitError> {
-        if let Some(solved) = self.converge(start) {
-            return Ok(solved);
+    pub(super) fn settle(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
+        if self.converge(start) {
+            return Ok(());
         }
-        let solved = self.round(start, Round::Later)?;
+        self.round(start, Round::Later)?;
         // This round may have moved it far; rounding alone moves it by parts of a sigma.
-        let has_settled = solved.solution.step_squared() < S::ONE;
-        Ok(Solved { is_in_front: self.is_in_front(&solved.found), has_settled, ..solved })
+        self.last.has_settled = self.last.solution.step_squared() < S::ONE;
+        self.last.is_in_front = self.is_in_front(&self.last.found);
+        Ok(())
     }
 
-    /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only if that
-    /// moves the estimate.
-    pub(super) fn settle_again(&mut self, solved: &mut Solved<S>) -> Result<(), FitError> {
+    /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only
+    /// if that moves the estimate.
+    pub(super) fn settle_again(&mut self) -> Result<(), FitError> {
         let solution = solve(&mut self.equations);
-        let found = solved.at.moved(solution.change());
-        if solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART) {
-            let is_in_front = solved.is_in_front && found.inverse_depth > S::ZERO;
-            *solved = Solved { found, solution, is_in_front, ..*solved };
-        } else {
-            *solved = self.settle(&found)?;
+        let found = self.last.at.moved(solution.change());
+        if !(solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART)) {
+            return self.settle(&found);
         }
+        let is_in_front = self.last.is_in_front && found.inverse_depth > S::ZERO;
+        self.last = Solved { found, solution, is_in_front, ..self.last };
         Ok(())
     }
 
@@ -210,59 +230,53 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
     /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
-    #[inline(never)]
-    pub(super) fn settle_in_front(&mut self, start: &Unknowns<S>) -> Result<Solved<S>, FitError> {
-        let solved = self.settle(start)?;
-        if solved.found.tilt == S::ZERO || !(solved.found.inverse_depth < S::ZERO) {
-            return Ok(solved);
+    pub(super) fn settle_in_front(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
+        self.settle(start)?;
+        let Solved { at, found, has_settled, .. } = self.last;
+        if found.tilt == S::ZERO || !(found.inverse_depth < S::ZERO) {
+            return Ok(());
         }
-        let (at, has_settled) = (solved.at, solved.has_settled);
-        match self.settle_mirrored(&solved) {
-            Some(trial) => Ok(trial),
-            None => self.repeat(&at, has_settled),
+        let least = self.cost() + S::from_i32(MIRROR_COST);
+        let mirrored = Unknowns { inverse_depth: -found.inverse_depth, ..found };
+        // An error in this trial says nothing of the solution at hand.
+        if self.settle(&mirrored).is_ok() && self.is_mirror_image(&mirrored) && self.is_found_in_front(least) {
+            return Ok(());
         }
+        self.repeat(&at, has_settled)
     }
 
-    /// The mirror image in front of the camera of one behind it, if it is as good.
-    #[inline(never)]
-    fn settle_mirrored(&mut self, behind: &Solved<S>) -> Option<Solved<S>> {
-        let least = behind.solution.cost(&self.equations) + S::from_i32(MIRROR_COST);
-        let mirrored = Unknowns { inverse_depth: -behind.found.inverse_depth, ..behind.found };
-        // An error in this trial says nothing of the solution at hand.
-        let trial = self.settle(&mirrored).ok()?;
+    fn is_mirror_image(&self, mirrored: &Unknowns<S>) -> bool {
         let farthest = mirrored.inverse_depth * S::from_i32(MIRROR_REACH);
-        let is_mirror_image = trial.has_settled && trial.found.inverse_depth < farthest;
-        (is_mirror_image && self.is_found_in_front(&trial, least)).then_some(trial)
+        self.last.has_settled && self.last.found.inverse_depth < farthest
     }
 
     /// Whether something is known of a solution, in front of the camera, that costs less.
-    fn is_found_in_front(&self, trial: &Solved<S>, least: S) -> bool {
-        let [_, sigma_per_m, _] = trial.solution.covariance().sigma();
-        trial.is_in_front && sigma_per_m < S::UNKNOWN && trial.solution.cost(&self.equations) < least
+    fn is_found_in_front(&self, least: S) -> bool {
+        let [_, sigma_per_m, _] = self.last.solution.covariance().sigma();
+        self.last.is_in_front && sigma_per_m < S::UNKNOWN && self.cost() < least
     }
 
     /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
     /// best of those near either path is meant; where neither agrees with the positions, also of the one near these alone.
-    #[inline(never)]
-    pub(super) fn settle_best(&mut self, first: &Solved<S>) -> Result<Solved<S>, FitError> {
+    pub(super) fn settle_best(&mut self) -> Result<(), FitError> {
         // The rounds of one start leave the stack before those of the next.
-        let (start, rival) = self.starts(first);
-        let solved = self.settle_in_front(&start)?;
-        match rival.filter(|(_, cost)| *cost < solved.solution.cost(&self.equations)) {
+        let (start, rival) = self.starts();
+        self.settle_in_front(&start)?;
+        match rival.filter(|(_, cost)| *cost < self.cost()) {
             Some((at, _)) => self.repeat(&at, true),
-            None => Ok(solved),
+            None => Ok(()),
         }
     }
 
-    /// Where to start from: mostly the better path wins, and its equations are to be the last; and the last round of the best
-    /// of those near the others, with its cost.
+    /// Where to start from: mostly the better path wins, and its equations are to be the last; and the last round of
+    /// the best of those near the others, with its cost.
     #[inline(never)]
-    fn starts(&mut self, first: &Solved<S>) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
-        let start = first.found;
-        let information = first.solution.information_of_inverse_depth();
+    fn starts(&mut self) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
+        let Solved { found: start, solution: first, .. } = self.last;
+        let information = first.information_of_inverse_depth();
         let paths = self.prior.blur.and_then(|blur| blur.either_path(&start, information));
         let Some([better, other]) = paths else { return (start, None) };
-        let near = |change_per_m| start.moved(first.solution.change_with(change_per_m));
+        let near = |change_per_m| start.moved(first.change_with(change_per_m));
         let rival_cost = S::from_i32(RIVAL_COST);
         // Where the blur is that of a path next to nothing, both are the same place.
         let apart = other.change_per_m - better.change_per_m;
@@ -271,9 +285,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(start)];
         let mut best: Option<(Unknowns<S>, S)> = None;
         for rival in rivals.into_iter().flatten() {
-            if let Some(trial) = self.converge(&rival).filter(|trial| trial.is_in_front) {
-                let cost = trial.solution.cost(&self.equations);
-                best = best.filter(|(_, least)| *least <= cost).or(Some((trial.at, cost)));
+            if self.converge(&rival) && self.last.is_in_front {
+                let cost = self.cost();
+                best = best.filter(|(_, least)| *least <= cost).or(Some((self.last.at, cost)));
             }
         }
         (near(better.change_per_m), best)

@@ -98,18 +98,20 @@ impl<S: Scalar> Range<S> {
         let prior = Prior { is_drawn, ..Prior::new(earlier, entering, width_px, left_out) };
         let fitted = fit_with::<S, M, KNOTS>(setup, motion, &mut line.samples(), &prior);
         let mut range = Self::unfitted(line);
-        match fitted.and_then(|fitted| range.fill(setup, motion, line, &fitted, earlier.is_none()).map(|()| fitted)) {
-            Ok(fitted) => {
-                if let Some(blur) = &blur {
-                    range.compare_with_blur(blur, &fitted.state.line3, blur_enters);
-                }
-                (range, Some(fitted.state))
-            }
-            Err(FitError::Sideways(_)) => (Self { status: RangeStatus::Sideways, ..range }, None),
-            Err(FitError::Diverged) => (Self { status: status_of(setup, line, &range.estimate), ..range }, None),
-            // A line of too few knots; the others cannot come from a line.
-            Err(_) => (range, None),
+        let filled = fitted.as_ref().map_err(|error| *error);
+        let fill = |fitted| range.fill(setup, motion, line, fitted, earlier.is_none()).map(|()| fitted);
+        let filled = filled.and_then(fill);
+        let state = filled.as_ref().ok().map(|fitted| &fitted.state);
+        if let Some((state, blur)) = state.zip(blur.as_ref()) {
+            range.compare_with_blur(blur, &state.line3, blur_enters);
         }
+        match filled {
+            Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
+            Err(FitError::Diverged) => range.status = status_of(setup, line, &range.estimate),
+            // A line of too few knots; the others cannot come from a line.
+            Ok(_) | Err(_) => {}
+        }
+        (range, state.copied())
     }
 
     /// What was known of an edge before a line that tells nothing of it.

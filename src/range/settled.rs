@@ -28,7 +28,9 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
     #[inline(never)]
     pub(super) fn sensitivity(&self) -> Sensitivity<S> {
         let Self { setup, prior, observations, equations, at, solution, .. } = self;
-        let counts = SharedError::ALL.map(|error| error.sigma(setup, at.bearing) > S::ZERO);
+        // What is in the prior moves no observation.
+        let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
+        let counts = SharedError::ALL.map(counts);
         let mut responses = [Response::NONE; SHARED_ERRORS];
         for (observation, equation) in observations.iter().zip(&equations.observed) {
             let [uncentred_q, _] = solution.uncentred(equation);

@@ -31,15 +31,15 @@ pub(super) const SETTLED_PART: i32 = 50;
 /// Nor is another round needed that would change each sigma by less than this part (`cargo test least_squares`).
 pub(super) const SAME_SIGMA_PART: i32 = 1_000;
 
-/// Where only sigmas have changed, equations linearised this part of a sigma away are as good as new ones: 1/4. New ones would
-/// move it by the hundredth part of a sigma at most.
+/// Where only sigmas have changed, equations linearised this part of a sigma away are as good as new ones: 1/4. New
+/// ones would move it by the hundredth part of a sigma at most.
 pub(super) const NEARBY_PART: i32 = 4;
 
 /// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to five.
 pub(super) const MOST_ROUNDS: usize = 10;
 
-/// Rounds after which only half of each step is taken: where tilt and depth go together, whole ones may go to and fro for ever
-/// (`cargo test forward_motion`).
+/// Rounds after which only half of each step is taken: where tilt and depth go together, whole ones may go to and fro
+/// for ever (`cargo test forward_motion`).
 pub(super) const FULL_ROUNDS: usize = 6;
 
 /// Below this share of its value for a level camera, a row runs along upright edges: one pixel of column weighs as ten do
@@ -53,18 +53,19 @@ pub(super) const MIRROR_COST: i32 = 9;
 /// settled but run away, to where rounding decides (`cargo test agreement`).
 pub(super) const MIRROR_REACH: i32 = 4;
 
-/// Of the two paths that explain a blur, one that fits worse than the other by five sigma before its rounds is not tried: the
-/// square of it. What lies between them is decided by their rounds (`cargo test blur`).
+/// Of the two paths that explain a blur, one that fits worse than the other by five sigma before its rounds is not
+/// tried: the square of it. What lies between them is decided by their rounds (`cargo test blur`).
 pub(super) const RIVAL_COST: i32 = 25;
 
 /// Beyond so many times the robust scale a sample may be an outlier.
 pub(super) const SUSPICIOUS: i32 = 3;
 
-/// Where the largest deviation is more than three times so many sigmas, outliers are looked for before the first estimate has
-/// settled.
+/// Where the largest deviation is more than three times so many sigmas, outliers are looked for before the first
+/// estimate has settled: otherwise the dearest line costs twice as much (`cargo xtask budget --check`).
 pub(super) const FAR_SIGMAS: i32 = 5;
 
-/// What scatters by more than so many sigmas is no straight edge: which of several minima it is nearest to tells nothing.
+/// What scatters by more than so many sigmas is no straight edge: which of several minima it is nearest to tells
+/// nothing, and looking makes the dearest line half as dear again (`cargo xtask budget --check`).
 pub(super) const MOST_SCATTER: i32 = 30;
 
 /// Beyond so many times the robust scale, and 16/N more, a sample of N is an outlier (`cargo test outliers`).
@@ -77,11 +78,11 @@ pub(super) const MOST_REJECTIONS: usize = 4;
 /// deviations; more would make the worst line dearer and nothing better.
 pub(super) const REWEIGHTING_ROUNDS: usize = 12;
 
-/// A round of reweighting that changes no weight by more than this part is the last: 1/20 of a scale, which is a tenth of its
-/// deviation.
+/// A round of reweighting that changes no weight by more than this part is the last: 1/20 of a scale, which is a tenth
+/// of its deviation.
 pub(super) const REWEIGHTED_PART: i32 = 20;
 
-/// A line of fewer than so many lengths of roughness may not scatter by more than this many of its sigmas: there are no rows to
-/// tell a wander from pieces of several edges (`cargo test false_distances::of_leaning_bars`).
+/// A line of fewer than so many lengths of roughness may not scatter by more than this many of its sigmas: there are no
+/// rows to tell a wander from pieces of several edges (`cargo test false_distances::of_leaning_bars`).
 pub(super) const SHORT_LENGTHS: i32 = 2;
 pub(super) const MOST_SHORT_MISFIT: (i32, i32) = (3, 2);

@@ -41,15 +41,32 @@ impl<S: Scalar> Residual<S> {
         (self.per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
     }
 
-    /// Whether what the ray shows of the line lies before the camera at that time: as equations alone have it, a camera might
-    /// have passed the line within the frame. `per_px` is the depth there, relative to that at frame start, times what has
-    /// the opposite sign of m_x.
+    /// Whether what the ray shows of the line lies before the camera at that time: as equations alone have it, a camera
+    /// might have passed the line within the frame. `per_px` is the depth there, relative to that at frame start, times
+    /// what has the opposite sign of m_x.
     pub(crate) fn is_in_front(&self) -> bool {
         (self.per_px < S::ZERO) != (self.per_bearing < S::ZERO)
     }
 }
 
+impl<S: Scalar> Normals<S> {
+    /// Against [`Unknowns::NOTHING`].
+    pub(super) fn residual_of_nothing(&self) -> Residual<S> {
+        let Self { down, lean, down_per_px, .. } = self;
+        Residual {
+            miss: down.z,
+            per_px: down_per_px.z,
+            per_bearing: down.x,
+            per_inverse_depth: -down.moved,
+            per_tilt: lean.z,
+        }
+    }
+}
+
 impl<S: Scalar> Unknowns<S> {
+    /// Those of a line of which nothing is known.
+    pub(super) const NOTHING: Self = Self { bearing: S::ZERO, inverse_depth: S::ZERO, tilt: S::ZERO };
+
     /// The same moved by small amounts of bearing, inverse depth and tilt.
     #[must_use]
     pub(super) fn moved(&self, [bearing, inverse_depth, tilt]: [S; 3]) -> Self {
@@ -62,7 +79,7 @@ impl<S: Scalar> Unknowns<S> {
 
     /// n · P. The terms that nearly cancel are added first: single precision then loses one rounding, not four.
     fn offset(&self, normal: &Normal<S>) -> S {
-        (normal.x * self.bearing + normal.z) - self.inverse_depth * normal.moved
+        normal.z.plus_product(normal.x, self.bearing).minus_product(self.inverse_depth, normal.moved)
     }
 
     /// A ray against this line: F is linear in the tilt.
@@ -70,10 +87,10 @@ impl<S: Scalar> Unknowns<S> {
         let Normals { down, lean, down_per_px, lean_per_px } = normals;
         let per_tilt = self.offset(lean);
         Residual {
-            miss: self.offset(down) + self.tilt * per_tilt,
-            per_px: self.offset(down_per_px) + self.tilt * self.offset(lean_per_px),
-            per_bearing: down.x + self.tilt * lean.x,
-            per_inverse_depth: -(down.moved + self.tilt * lean.moved),
+            miss: self.offset(down).plus_product(self.tilt, per_tilt),
+            per_px: self.offset(down_per_px).plus_product(self.tilt, self.offset(lean_per_px)),
+            per_bearing: down.x.plus_product(self.tilt, lean.x),
+            per_inverse_depth: -down.moved.plus_product(self.tilt, lean.moved),
             per_tilt,
         }
     }
@@ -81,6 +98,6 @@ impl<S: Scalar> Unknowns<S> {
     /// What a pixel along the row adds to `per_bearing` and `per_inverse_depth` of [`residual`](Self::residual).
     pub(super) fn change_along_row(&self, normals: &Normals<S>) -> [S; 2] {
         let Normals { down_per_px: down, lean_per_px: lean, .. } = normals;
-        [down.x + self.tilt * lean.x, -(down.moved + self.tilt * lean.moved)]
+        [down.x.plus_product(self.tilt, lean.x), -down.moved.plus_product(self.tilt, lean.moved)]
     }
 }

@@ -17,9 +17,8 @@ pub(super) struct Stretch<S> {
     column_px: S,
     /// In rows, by its time.
     place: S,
-    /// Number of rows, at least one, and one over it.
+    /// Number of rows, at least one.
     rows: S,
-    per_row: S,
     /// Stated noise of the mean.
     noise_px: S,
 }
@@ -29,20 +28,17 @@ impl<S: Scalar> Stretch<S> {
         let &Sample { column_px, time_s, spread, .. } = sample;
         // n rows have a variance of n²/12.
         let rows = (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE);
-        Self { column_px, place: time_s * rows_per_s, rows, per_row: over(rows), noise_px }
+        Self { column_px, place: time_s * rows_per_s, rows, noise_px }
     }
 
     /// Of a wander of 1 px that is alike over a number of rows. Within these averaging does not reduce it, and shorter
     /// stretches share it with their neighbours.
     fn variance_of_wander(&self, alike_rows: S) -> S {
-        (alike_rows * self.per_row).max(S::ONE)
+        (alike_rows / self.rows).max(S::ONE)
     }
 
     /// With the roughness that is stated.
     pub(super) fn rough_sigma_px(&self, roughness_px: S) -> S {
-        if roughness_px == S::ZERO {
-            return self.noise_px;
-        }
         let of_roughness = self.variance_of_wander(S::from_i32(ROUGHNESS_ROWS)) * roughness_px * roughness_px;
         (self.noise_px * self.noise_px + of_roughness).sqrt()
     }
@@ -78,15 +74,15 @@ pub(super) struct Wander<S> {
 }
 
 impl<S: Scalar> Wander<S> {
-    /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated. `blur_px` is
-    /// that of the edge.
+    /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated.
+    /// `blur_px` is that of the edge.
     ///
     /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge alike
     /// until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in the
     /// residuals, their modes are compared with what such a process leaves in them.
     ///
-    /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told of its place
-    /// and its lean, and parallax does not mind it: only roughness is left.
+    /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told
+    /// of its place and its lean, and parallax does not mind it: only roughness is left.
     pub(super) fn of<const N: usize>(
         residuals: &[Residual<'_, S>],
         roughness_px: S,
@@ -105,6 +101,9 @@ impl<S: Scalar> Wander<S> {
         let roughness_rows = S::from_i32(ROUGHNESS_ROWS);
         let alike_rows = if is_known { roughness_rows } else { crossing_rows.min(longest).max(roughness_rows) };
         let none = S::ZERO;
+        if roughness_px == none && !is_known && is_white(residuals) {
+            return None;
+        }
         if roughness_px == none {
             let shown = Shown::of::<N>(residuals, None);
             if shown.noise == S::ONE && (is_known || shown.is_chance()) {
@@ -160,6 +159,25 @@ impl<S: Scalar> Wander<S> {
     }
 }
 
+/// Number of modes that are looked at, and how many values are left for noise beside them.
+fn modes_and_spare(count: usize) -> [usize; 2] {
+    let modes = count.saturating_sub(SPENT + SPENT).min(WANDER_MODES);
+    [modes, count.saturating_sub(SPENT + modes)]
+}
+
+/// Whether even all squares together were neither beyond chance in the modes nor in the noise beside them: most edges are
+/// straight, and need no modes.
+fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
+    let squares =
+        residuals.iter().fold(S::ZERO, |sum, residual| sum.plus_product(residual.deviation, residual.deviation));
+    let within = |count: usize, sigmas: i32| {
+        let count = S::from_i32(count as i32);
+        squares <= count * chance_limit(count, S::from_i32(sigmas))
+    };
+    let [modes, spare] = modes_and_spare(residuals.len());
+    modes > 0 && within(modes, WANDERING_SIGMAS) && within(spare, NOISY_SIGMAS)
+}
+
 /// Correlation of the wander from stretch to stretch.
 struct Kernel<S, const N: usize> {
     /// Correlation with the stretch before, and what averaging within the stretch leaves of the wander.
@@ -172,17 +190,17 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
         let (length, mut kernel) = (alike_rows.half(), Self { links: Vec::new() });
         let (per_length, length_of_three) = (over(length), length * S::from_i32(3));
         let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.place);
-        let (mut per_row, mut kept) = (S::ZERO, S::ZERO);
+        let (mut rows, mut kept) = (S::ZERO, S::ZERO);
         for Residual { stretch, .. } in residuals {
             let lengths = (stretch.place - before).abs() * per_length;
             before = stretch.place;
             // About e^−x, and never below zero.
             let correlation = S::ONE / (S::ONE + lengths + (lengths * lengths).half());
             // Most stretches have as many rows as the one before.
-            if stretch.per_row != per_row {
-                per_row = stretch.per_row;
+            if stretch.rows != rows {
+                rows = stretch.rows;
                 // The mean over n rows of such a process keeps 1/(1 + n/3) of its variance.
-                let thirds = length_of_three * per_row;
+                let thirds = length_of_three / rows;
                 kept = (thirds / (S::ONE + thirds)).sqrt();
             }
             // There is room: as many as residuals.
@@ -197,7 +215,7 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
         for (weight, (correlation, kept)) in weights.zip(&self.links) {
             let part = weight * *kept;
             carried = carried * *correlation;
-            sum = sum + part * (part + carried + carried);
+            sum = sum.plus_product(part, part + carried + carried);
             carried = carried + part;
         }
         sum.max(S::ZERO)
@@ -222,12 +240,12 @@ impl<S: Scalar> Shown<S> {
     #[inline(never)]
     fn of<const N: usize>(residuals: &[Residual<'_, S>], kernel: Option<&Kernel<S, N>>) -> Self {
         let none = S::ZERO;
-        let modes = residuals.len().saturating_sub(SPENT + SPENT).min(WANDER_MODES);
+        let [modes, _] = modes_and_spare(residuals.len());
         let of_noise = if kernel.is_none() { S::from_i32(modes as i32) } else { none };
         let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise, of_wander: none, modes };
         let (mut rest, mut stated) = (none, none);
         for Residual { deviation, noise, .. } in residuals {
-            (rest, stated) = (rest + *deviation * *deviation, stated + *noise * *noise);
+            (rest, stated) = (rest.plus_product(*deviation, *deviation), stated.plus_product(*noise, *noise));
         }
         let places = residuals.iter().map(|residual| (residual.stretch.place, residual.per_sigma));
         let mut mode = Modes::<S, N>::new(places);
@@ -235,15 +253,17 @@ impl<S: Scalar> Shown<S> {
             if order > 0 {
                 mode.advance();
             }
-            let along =
-                mode.values().zip(residuals).fold(none, |sum, (part, residual)| sum + part * residual.deviation);
+            let along = mode
+                .values()
+                .zip(residuals)
+                .fold(none, |sum, (part, residual)| sum.plus_product(part, residual.deviation));
             let power = along * along * mode.per_square();
             rest = rest - power;
             if order >= SPENT {
                 shown.power = shown.power + power;
                 if let Some(kernel) = kernel {
                     let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise);
-                    let of_noise = of_noise.fold(none, |sum, part| sum + part * part);
+                    let of_noise = of_noise.fold(none, |sum, part| sum.plus_product(part, part));
                     let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.per_sigma);
                     shown.of_noise = shown.of_noise + of_noise * mode.per_square();
                     shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
@@ -254,10 +274,11 @@ impl<S: Scalar> Shown<S> {
         shown
     }
 
-    /// What changes from stretch to stretch is noise. `rest` is left of the squares beside the modes, and `stated` the sum of
-    /// the stated ones.
+    /// What changes from stretch to stretch is noise. `rest` is left of the squares beside the modes, and `stated` the
+    /// sum of the stated ones.
     fn judge_noise(&mut self, count: usize, rest: S, stated: S) {
-        let spare = S::from_i32(count.saturating_sub(SPENT + self.modes) as i32);
+        let [_, spare] = modes_and_spare(count);
+        let spare = S::from_i32(spare as i32);
         let rest = rest.max(S::ZERO) / spare;
         self.share = rest * S::from_i32(count as i32) / stated;
         if rest > chance_limit(spare, S::from_i32(NOISY_SIGMAS)) {

@@ -15,6 +15,12 @@ mod vector;
 mod mantissa;
 #[cfg(feature = "fixed")]
 mod fixed;
+#[cfg(feature = "fixed")]
+mod fixed_arithmetic;
+#[cfg(feature = "fixed")]
+mod fixed_trigonometry;
+#[cfg(feature = "fixed")]
+mod fixed_scalar;
 #[cfg(feature = "libm")]
 mod libm;
 #[cfg(feature = "micromath")]

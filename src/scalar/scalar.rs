@@ -5,8 +5,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number of one of the back ends.
 ///
-/// *Range*: at least 10⁻³⁸ to 10³⁸ in size, with at least 24 bits. What leaves the range becomes infinite (floating point) or
-/// the largest number (fixed point), never a panic; so does a division by zero.
+/// *Range*: at least 10⁻³⁸ to 10³⁸ in size, with at least 24 bits. What leaves the range becomes infinite (floating
+/// point) or the largest number (fixed point), never a panic; so does a division by zero.
 ///
 /// This trait is sealed: the estimator's stated errors hold for the implementations of this crate.
 pub trait Scalar:
@@ -58,6 +58,16 @@ pub trait Scalar:
     /// `numerator / denominator` of two small whole numbers, for constants in formulas.
     fn ratio(numerator: i32, denominator: i32) -> Self {
         Self::from_i32(numerator) / Self::from_i32(denominator)
+    }
+
+    /// `self + a * b`, where a back end has something better with the roundings of both.
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+
+    /// `self - a * b`, likewise.
+    fn minus_product(self, a: Self, b: Self) -> Self {
+        self - a * b
     }
 
     /// Half of it.

@@ -5,13 +5,14 @@ use super::scalar::Scalar;
 pub(crate) fn dot<S: Scalar>(a: [S; 3], b: [S; 3]) -> S {
     let [ax, ay, az] = a;
     let [bx, by, bz] = b;
-    ax * bx + ay * by + az * bz
+    (ax * bx).plus_product(ay, by).plus_product(az, bz)
 }
 
 pub(crate) fn cross<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {
     let [ax, ay, az] = a;
     let [bx, by, bz] = b;
-    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
+    let minor = |a: S, b: S, c: S, d: S| (a * b).minus_product(c, d);
+    [minor(ay, bz, az, by), minor(az, bx, ax, bz), minor(ax, by, ay, bx)]
 }
 
 pub(crate) fn add<S: Scalar>(a: [S; 3], b: [S; 3]) -> [S; 3] {

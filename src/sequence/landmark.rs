@@ -63,6 +63,12 @@ pub(crate) struct Match<S> {
     pub(crate) is_doubtful: bool,
 }
 
+/// What the first frame tells in a second one that may have been taken at another time than told; nothing where an edge cannot
+/// be so much later.
+pub(super) struct UnsureTime<S> {
+    pub(super) earlier: Option<LineState<S>>,
+}
+
 impl<S: Scalar> Landmark<S> {
     /// An edge that one frame has shown.
     pub(crate) fn new(
@@ -95,6 +101,11 @@ impl<S: Scalar> Landmark<S> {
             state,
             extent,
         }
+    }
+
+    /// Whether the line at a place of this frame is the best for this edge.
+    pub(super) fn is_matched_by(&self, place: usize) -> bool {
+        self.matched.is_some_and(|matched| u32::try_from(place).is_ok_and(|place| matched.place == place))
     }
 
     /// How well a line matches this edge; `None` where it cannot be the same.
@@ -161,17 +172,19 @@ impl<S: Scalar> Landmark<S> {
     /// Ranges a line that is this edge, with what earlier frames have told, and updates the state.
     ///
     /// A line that is where a static edge cannot be has moved: it starts anew. In two frames time and depth are the same, so
-    /// that what the second one tells is as unsure as the time, unless other edges have shown that it is right:
-    /// `unsure_interval_s` is the time since the frame before, if none have. So is the time of each frame that has missed it.
-    pub(crate) fn update<M: Motion<S>, const KNOTS: usize>(
+    /// that what the second one tells is as unsure as the time, unless other edges have shown that it is right: its range is
+    /// then to be told anew. `unsure_interval_s` is the time since the frame before, if none have. So is the time of each frame
+    /// that has missed it.
+    #[inline(never)]
+    pub(super) fn update<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
         left_out: SampleSet,
         unsure_interval_s: Option<S>,
-    ) -> Range<S> {
-        let Some(matched) = self.matched else { return Range::from_line(setup, motion, line) };
+    ) -> (Range<S>, Option<UnsureTime<S>>) {
+        let Some(matched) = self.matched else { return (Range::from_line(setup, motion, line), None) };
         // Two frames whose time was unsure are known by a third one to belong together; that they do not is no motion.
         let is_unsure = self.frames <= 2 && unsure_interval_s.is_some();
         let has_moved = matched.has_moved && !is_unsure;
@@ -179,30 +192,39 @@ impl<S: Scalar> Landmark<S> {
         let begins_anew = has_moved || is_refuted;
         let earlier = (!begins_anew).then_some(&self.state);
         let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
-        match state.filter(|_| is_informative(range.status)) {
-            Some(state) => {
+        match &state {
+            Some(state) if is_informative(range.status) => {
                 let is_second = self.frames == 1 && !begins_anew;
                 let told = unsure_interval_s.filter(|_| is_second).map(|interval_s| {
                     let since_first_s = interval_s * S::from_i32(i32::from(self.missed) + 1);
-                    let earlier = self.state.with_unsure_time(motion, &state.line3, since_first_s);
-                    Range::continued(setup, motion, line, earlier.as_ref(), left_out).0
+                    UnsureTime { earlier: self.state.with_unsure_time(motion, &state.line3, since_first_s) }
                 });
-                self.state = state;
+                self.state = *state;
                 self.contrast = line.contrast();
-                let observation = LineObservation::new(setup, motion, &state.line3, line);
-                self.extent = observation.and_then(|seen| self.extent_of(&seen)).unwrap_or(self.extent);
+                self.extent = self.seen_extent(setup, motion, line).unwrap_or(self.extent);
                 self.frames = if begins_anew { 1 } else { self.frames.saturating_add(1) };
                 self.hold_off = if has_moved { HOLD_OFF_FRAMES } else { self.hold_off.saturating_sub(1) };
                 let expected = S::from_i32(self.parallel_lines.max(1).into()) * matched.band_px / S::from_i32(STRIP_PX);
                 self.chance = self.chance * expected.min(S::ONE);
-                told.unwrap_or(range)
+                (range, told)
             }
-            None => {
+            _ => {
                 // The line says nothing: as if it were hidden.
                 self.matched = None;
-                range
+                (range, None)
             }
         }
+    }
+
+    /// Which part of the line the edge is seen on.
+    #[inline(never)]
+    fn seen_extent<M: Motion<S>, const KNOTS: usize>(
+        &self,
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+    ) -> Option<Extent<S>> {
+        self.extent_of(&LineObservation::new(setup, motion, &self.state.line3, line)?)
     }
 
     /// A range of this edge under its name; no distance until it counts as static again, nor until the frames agree better

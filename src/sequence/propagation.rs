@@ -45,6 +45,7 @@ impl<S: Scalar> LineState<S> {
 
     /// The same where nothing shows that the time since it was seen first is right. `other` is the same edge at another depth that
     /// it may have: it goes along its way as the nearer one of the two does. `None` where that leads beside or behind the camera.
+    #[inline(never)]
     pub(crate) fn with_unsure_time<M: Motion<S>>(&self, motion: &M, other: &Line3<S>, elapsed_s: S) -> Option<Self> {
         let inverse_depth = self.line3.inverse_depth.abs().max(other.inverse_depth.abs());
         let line3 = Line3 { inverse_depth, ..*other };

@@ -2,7 +2,7 @@
 
 use super::continuity::{Census, Continuity};
 use super::extent::Extent;
-use super::landmark::{Landmark, is_informative, may_begin};
+use super::landmark::{Landmark, UnsureTime, is_informative, may_begin};
 use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
@@ -118,8 +118,10 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         mut found: impl FnMut(Range<S>),
     ) {
         self.associate(setup, motion, ranger.places(), |place| ranger.line_at(place));
-        while let Some((place, line)) = ranger.next_placed_line() {
-            found(self.continue_line(setup, motion, place, &line));
+        while let Some((place, line)) = ranger.placed_line() {
+            let range = self.continue_line(setup, motion, place, line);
+            ranger.leave_line();
+            found(range);
         }
         self.landmarks.count_missed();
     }
@@ -199,6 +201,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
 
     /// Associates the lines of a frame with the landmarks, which are moved on where the frame was taken at another time than
     /// told.
+    #[inline(never)]
     fn associate<'l, M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -217,16 +220,27 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         if self.take_census(setup, motion, &line_at) {
             return;
         }
-        let axes = self.landmarks.axes(motion);
-        let known = self.landmarks.known();
-        let lines = || places.clone().filter_map(|place| LineObservation::new(setup, motion, &axes, line_at(place)?));
-        let shift = Vote::new(setup, motion, known, self.interval_s).shift(lines);
+        let shift = self.shift(setup, motion, places.clone(), &line_at);
         self.continuity = shift.map_or(Continuity::Restarted, |shift| self.follow(setup, motion, &shift));
         self.landmarks.match_lines(setup, motion, places, &line_at);
         if self.continuity == Continuity::Restarted || !self.take_census(setup, motion, &line_at) {
             self.clear();
             self.continuity = Continuity::Restarted;
         }
+    }
+
+    /// By how much the frame was taken at another time than told, if its lines agree on that.
+    #[inline(never)]
+    fn shift<'l, M: Motion<S>, const KNOTS: usize>(
+        &self,
+        setup: &Setup<S>,
+        motion: &M,
+        places: impl Iterator<Item = usize> + Clone,
+        line_at: impl Fn(usize) -> Option<&'l Line<KNOTS>>,
+    ) -> Option<TimeShift<S>> {
+        let axes = self.landmarks.axes(motion);
+        let lines = || places.clone().filter_map(|place| LineObservation::new(setup, motion, &axes, line_at(place)?));
+        Vote::new(setup, motion, self.landmarks.known(), self.interval_s).shift(lines)
     }
 
     /// Asks the known edges, and answers whether most are where they should be.
@@ -250,6 +264,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         if shift.is_repetition() { Continuity::Repeated } else { Continuity::Shifted { seconds, sigma_s } }
     }
 
+    // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
+    #[inline(never)]
     fn continue_line<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -258,41 +274,43 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let most_chance = S::ratio(CHANCE_EDGES, i32::from(self.lines.max(1)));
-        let Some(observation) = LineObservation::new(setup, motion, &self.landmarks.axes(motion), line) else {
+        let Some((columns_px, blend)) = self.blend(setup, motion, place, line) else {
             return Range::from_line(setup, motion, line);
         };
-        let has_line = |landmark: &&mut Landmark<S>| {
-            landmark.matched.is_some_and(|matched| u32::try_from(place).is_ok_and(|place| matched.place == place))
-        };
-        let own = self.landmarks.around(observation.columns_px).find(has_line).map(|landmark| *landmark);
-        let blend = self.blend(setup, motion, line, &observation, own.as_ref());
+        let has_line = |landmark: &&mut Landmark<S>| landmark.is_matched_by(place);
         let is_repeated = self.continuity == Continuity::Repeated;
         let time_may_be_wrong = setup.uncertainty().sigma_time_s > S::ZERO && !self.interval_is_shown;
         let unsure_interval_s = time_may_be_wrong.then_some(self.interval_s);
-        let Some(landmark) = self.landmarks.around(observation.columns_px).find(has_line) else {
-            return self.begin(setup, motion, line, &observation, blend);
+        let Some(landmark) = self.landmarks.around(columns_px).find(has_line) else {
+            return self.begin(setup, motion, line, blend);
         };
         let is_unsure = blend.is_whole && landmark.frames == 2 && unsure_interval_s.is_some();
         let range = if blend.is_whole || is_repeated {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
-            landmark.update(setup, motion, line, blend.samples, unsure_interval_s)
+            let (range, unsure) = landmark.update(setup, motion, line, blend.samples, unsure_interval_s);
+            let anew =
+                |UnsureTime { earlier }| Range::continued(setup, motion, line, earlier.as_ref(), blend.samples).0;
+            unsure.map_or(range, anew)
         };
         landmark.name(range, most_chance, is_unsure)
     }
 
-    /// Which samples of a line lie so near to a known edge at another depth that the two blend: their columns are those of
-    /// neither.
+    /// The columns of a line, and which of its samples lie so near to a known edge at another depth that the two blend: their
+    /// columns are those of neither. `None` where its ends are no rays.
+    #[inline(never)]
     fn blend<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
+        place: usize,
         line: &Line<KNOTS>,
-        observation: &LineObservation<S>,
-        own: Option<&Landmark<S>>,
-    ) -> Blend {
+    ) -> Option<([S; 2], Blend)> {
         let near_px = S::from_i32(NEAR_PX);
         let axes = self.landmarks.axes(motion);
+        let columns_px = LineObservation::new(setup, motion, &axes, line)?.columns_px;
+        let own = self.landmarks.around(columns_px).find(|landmark| landmark.is_matched_by(place));
+        let own = own.map(|landmark| *landmark);
         let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         let mut blend = Blend::default();
         let (mut left, mut all) = (0, 0);
@@ -301,30 +319,30 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             let Some(seen) = observer.observe(&sample) else { continue };
             let row = RowPlane::new(motion, &seen);
             let blends = |landmark: &mut Landmark<S>| {
-                let is_other = match own {
+                let is_other = match &own {
                     Some(own) => landmark.id != own.id && landmark.state.is_apart(&own.state),
                     None => landmark.frames > 1 && landmark.matched.is_some(),
                 };
                 is_other && !landmark.is_tentative && landmark.is_near(&row, &seen, near_px)
             };
-            let is_off = own.is_some_and(|own| own.is_off(setup, &seen));
-            if is_off || self.landmarks.around(observation.columns_px).any(blends) {
+            let is_off = own.as_ref().is_some_and(|own| own.is_off(setup, &seen));
+            if is_off || self.landmarks.around(columns_px).any(blends) {
                 blend.samples.insert(place);
             } else {
                 left += 1;
             }
         }
         blend.is_whole = left < LEAST_SAMPLES || 2 * left < all;
-        blend
+        Some((columns_px, blend))
     }
 
     /// A line that no landmark predicts becomes one, if there is room.
+    #[inline(never)]
     fn begin<M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        observation: &LineObservation<S>,
         blend: Blend,
     ) -> Range<S> {
         let left_out = if blend.is_whole { SampleSet::default() } else { blend.samples };
@@ -337,10 +355,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             return range;
         }
         let id = self.next_id;
+        let Some(observation) = LineObservation::new(setup, motion, &state.line3, line) else { return range };
         let Some(extent) = Extent::between(&state.line3, &observation.rows) else { return range };
         let is_tentative = !is_informative(range.status)
             || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
-        let landmark = Landmark::new(id, observation, is_tentative, state, extent);
+        let landmark = Landmark::new(id, &observation, is_tentative, state, extent);
         if self.landmarks.insert(landmark).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;

@@ -1,6 +1,6 @@
 //! [`Camera`]: the direction in which each pixel looks.
 
-use super::distortion::Distortion;
+use super::distortion::{Distortion, Mapped};
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
 
@@ -82,6 +82,26 @@ pub(crate) struct RaySpan<S> {
     pub(crate) middle: [S; 2],
     pub(crate) half: [S; 2],
     pub(crate) along_row: [S; 2],
+}
+
+/// The inversion of the distortion for a stretch of pixels is left with the square of its last step, times the
+/// curvature of the lens: below 10⁻⁴ px for a focal length of 1000 px.
+const NEAR_SQUARE: i32 = 1 << 23;
+
+/// A recorded point and what the lens has seen there.
+#[derive(Clone, Copy)]
+pub(crate) struct LensPoint<S> {
+    recorded: [S; 2],
+    ideal: Mapped<S>,
+    /// How far it lies from where the Jacobian of the one before would have it: the next one will, too.
+    bend: [S; 2],
+}
+
+impl<S: Scalar> LensPoint<S> {
+    /// The ideal point of another recorded one, to the first order.
+    fn continued_to(&self, [u, w]: [S; 2]) -> [S; 2] {
+        self.ideal.linear([u - self.recorded[0], w - self.recorded[1]])
+    }
 }
 
 /// Most columns or rows: a column in 1/65536 px must fit a signed number of 32 bits.
@@ -169,31 +189,29 @@ impl<S: Scalar> Camera<S> {
         })
     }
 
-    /// The rays of a stretch of pixels, from `half` before `at` to `half` after it, both column and row. `lens_offset` is what
-    /// the lens has moved the ray of the last stretch by: the inversion starts from there.
+    /// The rays of a stretch of pixels, from `half` before `at` to `half` after it, both column and row. The inversion
+    /// starts from the `last` one.
     ///
-    /// *Cost*: eight operations, or an inversion of the distortion and one or two short steps for each end.
-    pub(crate) fn rays(&self, at: [S; 2], half: [S; 2], lens_offset: &mut [S; 2]) -> Option<RaySpan<S>> {
+    /// *Cost*: eight operations, or mostly one step of the inversion of the distortion and a short one for each end.
+    pub(crate) fn rays(&self, at: [S; 2], half: [S; 2], last: &mut Option<LensPoint<S>>) -> Option<RaySpan<S>> {
         let recorded = self.normalised(at[0], at[1]);
         let half = [half[0] * self.per_fx, half[1] * self.per_fy];
         if self.distortion.is_none() {
             return Some(RaySpan { middle: recorded, half, along_row: [self.per_fx, S::ZERO] });
         }
-        let start = [recorded[0] + lens_offset[0], recorded[1] + lens_offset[1]];
-        let nearby = self.distortion.undistort_from(recorded, start);
+        let (linear, bend) = last.map_or((recorded, [S::ZERO; 2]), |last| (last.continued_to(recorded), last.bend));
+        let start = [linear[0] + bend[0], linear[1] + bend[1]];
+        let nearby = self.distortion.undistort_from(recorded, start, S::ratio(1, NEAR_SQUARE));
         let ideal = nearby.or_else(|| self.distortion.undistort(recorded))?;
-        *lens_offset = [ideal.point[0] - recorded[0], ideal.point[1] - recorded[1]];
+        let bend = [ideal.point[0] - linear[0], ideal.point[1] - linear[1]];
+        *last = Some(LensPoint { recorded, ideal, bend });
         let [[du, _], [dw, _]] = ideal.jacobian;
         let along_row = [du * self.per_fx, dw * self.per_fx];
         if half == [S::ZERO; 2] {
             return Some(RaySpan { middle: ideal.point, half, along_row });
         }
-        let end = |half: [S; 2]| self.distortion.undistort_near(&ideal, recorded, half);
-        let (before, after) = (end([-half[0], -half[1]]), end(half));
-        let part = S::ratio(1, 2);
-        let middle = [(before[0] + after[0]) * part, (before[1] + after[1]) * part];
-        let half = [(after[0] - before[0]) * part, (after[1] - before[1]) * part];
-        Some(RaySpan { middle, half, along_row })
+        let half = ideal.step(half);
+        Some(RaySpan { middle: self.distortion.mean_of_ends(&ideal, recorded, half), half, along_row })
     }
 
     /// Where a direction `(u, w, 1)` is recorded: column and row in pixels.

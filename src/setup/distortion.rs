@@ -31,6 +31,7 @@ pub struct Distortion<S> {
 }
 
 /// The image of a point under the lens model or its inverse, with the Jacobian of the mapping there.
+#[derive(Clone, Copy)]
 pub(crate) struct Mapped<S> {
     pub(crate) point: [S; 2],
     /// `[[∂u/∂u, ∂u/∂w], [∂w/∂u, ∂w/∂w]]`
@@ -38,6 +39,18 @@ pub(crate) struct Mapped<S> {
 }
 
 impl<S: Scalar> Mapped<S> {
+    /// Where a point so far off is mapped to, by the Jacobian here.
+    pub(super) fn linear(&self, off: [S; 2]) -> [S; 2] {
+        let ([u, w], [du, dw]) = (self.point, self.step(off));
+        [u + du, w + dw]
+    }
+
+    /// What a point so far off is moved by.
+    pub(super) fn step(&self, [u, w]: [S; 2]) -> [S; 2] {
+        let [[uu, uw], [wu, ww]] = self.jacobian;
+        [(uu * u).plus_product(uw, w), (wu * u).plus_product(ww, w)]
+    }
+
     /// Scale of a small area under the mapping: zero at a fold.
     pub(crate) fn determinant(&self) -> S {
         let [[a, b], [c, d]] = self.jacobian;
@@ -95,24 +108,16 @@ impl<S: Scalar> Distortion<S> {
         Mapped { point: self.with_radial([u, w], [uu, uw, ww], radial), jacobian: [[along_u, cross], [cross, along_w]] }
     }
 
-    /// The ideal point `off` from a recorded one whose inverse mapping is known, by that mapping's Jacobian: the error left is
-    /// that of its change from there, times what the last step has moved.
+    /// The mean of the ideal points at both ends of a stretch about one whose inverse mapping is known, `half` to
+    /// either side: one step from there for each. What the Jacobian has changed by cancels in the mean, and its square
+    /// is left of each step.
     ///
-    /// *Cost*: one or two steps of about 30 operations.
-    pub(crate) fn undistort_near(&self, ideal: &Mapped<S>, recorded: [S; 2], off: [S; 2]) -> [S; 2] {
-        let [[iuu, iuw], [iwu, iww]] = ideal.jacobian;
-        let step = |[u, w]: [S; 2]| [iuu * u + iuw * w, iwu * u + iww * w];
-        let sum = |a: [S; 2], b: [S; 2]| [a[0] + b[0], a[1] + b[1]];
-        let wanted = sum(recorded, off);
-        let mut point = sum(ideal.point, step(off));
-        for _ in 0..MOST_CHORDS {
-            let residual = difference(wanted, self.distort_point(point));
-            point = sum(point, step(residual));
-            if size(residual) <= S::ratio(1, NEAR) {
-                break;
-            }
-        }
-        point
+    /// *Cost*: about 60 operations.
+    pub(super) fn mean_of_ends(&self, ideal: &Mapped<S>, [u, w]: [S; 2], [half_u, half_w]: [S; 2]) -> [S; 2] {
+        let [middle_u, middle_w] = ideal.point;
+        let [before_u, before_w] = self.distort_point([middle_u - half_u, middle_w - half_w]);
+        let [after_u, after_w] = self.distort_point([middle_u + half_u, middle_w + half_w]);
+        ideal.linear([u - (before_u + after_u).half(), w - (before_w + after_w).half()])
     }
 
     /// From the ideal to the recorded point.
@@ -126,9 +131,9 @@ impl<S: Scalar> Distortion<S> {
     #[inline]
     fn with_radial(&self, [u, w]: [S; 2], [uu, uw, ww]: [S; 3], radial: S) -> [S; 2] {
         let (r2, both) = (uu + ww, uw + uw);
-        let tangential_u = self.p1 * both + self.p2 * (r2 + (uu + uu));
-        let tangential_w = self.p2 * both + self.p1 * (r2 + (ww + ww));
-        [u * radial + tangential_u, w * radial + tangential_w]
+        let tangential_u = (self.p1 * both).plus_product(self.p2, r2 + (uu + uu));
+        let tangential_w = (self.p2 * both).plus_product(self.p1, r2 + (ww + ww));
+        [tangential_u.plus_product(u, radial), tangential_w.plus_product(w, radial)]
     }
 
     /// The radial factor at r², and its derivative by r².
@@ -148,11 +153,11 @@ impl<S: Scalar> Distortion<S> {
     ///
     /// *Cost*: two to five steps of about 60 operations for real lenses.
     pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<S>> {
-        self.undistort_from(recorded, recorded)
+        self.undistort_from(recorded, recorded, S::EPSILON * S::ratio(1, 16))
     }
 
-    /// The same from a start near the ideal point.
-    pub(crate) fn undistort_from(&self, recorded: [S; 2], start: [S; 2]) -> Option<Mapped<S>> {
+    /// The same from a start near the ideal point; a step whose square is no more than `near` is the last.
+    pub(super) fn undistort_from(&self, recorded: [S; 2], start: [S; 2], near: S) -> Option<Mapped<S>> {
         let mut point = start;
         let mut mapped = self.distort(point);
         let mut residual = difference(recorded, mapped.point);
@@ -162,7 +167,7 @@ impl<S: Scalar> Distortion<S> {
             let (mut du, mut dw) = (iuu * residual[0] + iuw * residual[1], iwu * residual[0] + iww * residual[1]);
             // The next step would be its square, or a few times that.
             let step = du.abs() + dw.abs();
-            if !(step * step > S::EPSILON * S::ratio(1, 16)) {
+            if !(step * step > near) {
                 return Some(Mapped { point: [point[0] + du, point[1] + dw], jacobian });
             }
             // A step that overshoots is halved: near a fold the linear model holds for short steps only.
@@ -186,7 +191,7 @@ impl<S: Scalar> Distortion<S> {
 /// `1 + a x + b x² + c x³` and its derivative.
 fn cubic<S: Scalar>([a, b, c]: [S; 3], x: S) -> [S; 2] {
     let (xb, xxc) = (x * b, x * (x * c));
-    [S::ONE + x * (a + (xb + xxc)), a + (xb + xb) + (xxc + xxc + xxc)]
+    [S::ONE.plus_product(x, a + (xb + xxc)), a + (xb + xb) + (xxc + xxc + xxc)]
 }
 
 fn difference<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
@@ -196,13 +201,6 @@ fn difference<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
 fn size<S: Scalar>([u, w]: [S; 2]) -> S {
     u.abs() + w.abs()
 }
-
-/// A chord step this small, in units of the focal length, is the last: the Jacobian has changed by a hundredth or so, and what
-/// is left is about 10⁻⁴ px.
-const NEAR: i32 = 1 << 16;
-
-/// The first chord step of a stretch of a tenth of a radian is below a hundredth, and each reduces the error hundredfold.
-const MOST_CHORDS: usize = 4;
 
 const MAX_HALVINGS: usize = 6;
 

@@ -10,8 +10,8 @@ mod limits;
 mod motion_blur;
 mod setup;
 
-pub(crate) use camera::RaySpan;
 pub use camera::{Camera, Intrinsics, Ray};
+pub(crate) use camera::{LensPoint, RaySpan};
 pub use distortion::Distortion;
 pub use limits::Limits;
 pub use motion_blur::MotionBlur;

@@ -1,0 +1,36 @@
+//! A hidden line goes on where another one begins.
+
+use super::table::Table;
+use crate::setup::Limits;
+
+/// Stitches confirmed lines that `row` has shown and that have just started to the hidden ones that they continue.
+pub(super) fn stitch_all<const LINES: usize, const KNOTS: usize>(
+    table: &mut Table<LINES, KNOTS>,
+    limits: &Limits,
+    row: u16,
+) {
+    let mut index = 0;
+    while let Some(place) = table.under_way().get(index).copied() {
+        let older = continued_by(table, limits, row, place);
+        if older.is_some_and(|older| table.append(older, place, limits).is_some()) {
+            table.leave_out(index);
+        } else {
+            index += 1;
+        }
+    }
+}
+
+/// The place of the hidden line that a young one continues.
+fn continued_by<const LINES: usize, const KNOTS: usize>(
+    table: &Table<LINES, KNOTS>,
+    limits: &Limits,
+    row: u16,
+    place: u16,
+) -> Option<u16> {
+    let young = table.track(place).filter(|young| young.is_stitchable() && young.line.last().row == row)?;
+    let others = table.under_way().iter().filter_map(|other| {
+        let older = table.track(*other)?;
+        Some((older.stitch_distance(young, limits)?, *other))
+    });
+    others.min().map(|(_, nearest)| nearest)
+}

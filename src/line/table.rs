@@ -1,0 +1,171 @@
+//! [`Table`]: the places for lines, and which of them are taken.
+
+use heapless::Vec;
+
+use super::line::Line;
+use super::track::{State, Track};
+use crate::edge::EdgePoint;
+use crate::setup::Limits;
+
+/// At most `LINES` lines of `KNOTS` knots each: those under way, and those that have ended and wait to be taken.
+#[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Table<const LINES: usize, const KNOTS: usize> {
+    slots: [Slot<KNOTS>; LINES],
+    /// Places of the lines under way, about from left to right, and of those that have ended.
+    under_way: Vec<u16, LINES>,
+    ended: Vec<u16, LINES>,
+    /// No place before this one is free.
+    occupied: usize,
+}
+
+/// A place for a line. The tag is written out, and zero where the place is free, so that an empty table is all zero bits:
+/// a `static` one then takes no flash.
+#[derive(Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+enum Slot<const KNOTS: usize> {
+    Free = 0,
+    Taken(Track<KNOTS>) = 1,
+}
+
+impl<const KNOTS: usize> Slot<KNOTS> {
+    const fn track(&self) -> Option<&Track<KNOTS>> {
+        match self {
+            Self::Free => None,
+            Self::Taken(track) => Some(track),
+        }
+    }
+
+    const fn track_mut(&mut self) -> Option<&mut Track<KNOTS>> {
+        match self {
+            Self::Free => None,
+            Self::Taken(track) => Some(track),
+        }
+    }
+}
+
+impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
+    pub(super) const fn new() -> Self {
+        const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
+        Self { slots: [const { Slot::Free }; LINES], under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
+    }
+
+    pub(super) fn track(&self, place: u16) -> Option<&Track<KNOTS>> {
+        self.slots.get(usize::from(place))?.track()
+    }
+
+    pub(super) fn track_mut(&mut self, place: u16) -> Option<&mut Track<KNOTS>> {
+        self.slots.get_mut(usize::from(place))?.track_mut()
+    }
+
+    /// All lines, in the order of their places.
+    pub(super) fn tracks_mut(&mut self) -> impl Iterator<Item = &mut Track<KNOTS>> {
+        self.slots.iter_mut().filter_map(Slot::track_mut)
+    }
+
+    /// The places of the lines under way.
+    pub(super) fn under_way(&self) -> &[u16] {
+        &self.under_way
+    }
+
+    /// The lines under way.
+    pub(super) fn tracks_under_way(&self) -> impl Iterator<Item = &Track<KNOTS>> {
+        self.under_way.iter().filter_map(|place| self.track(*place))
+    }
+
+    /// Puts the lines under way into another order.
+    pub(super) fn set_order(&mut self, places: impl Iterator<Item = u16>) {
+        self.under_way.iter_mut().zip(places).for_each(|(place, other)| *place = other);
+    }
+
+    /// Whether no place is free.
+    pub(super) fn is_full(&self) -> bool {
+        self.under_way.len() + self.ended.len() >= LINES
+    }
+
+    /// Whether it has room for a continuation of each hidden line, which starts as a line of its own and is then stitched.
+    pub(super) fn has_room_to_stitch(&self) -> bool {
+        let taken = self.under_way.len() + self.ended.len();
+        let hidden = || self.tracks_under_way().filter(|track| track.state == State::Hidden).count();
+        taken + self.under_way.len() <= LINES || taken + hidden() <= LINES
+    }
+
+    /// Lines may have been taken since: free places are looked for from the first one on.
+    pub(super) fn look_for_places(&mut self) {
+        self.occupied = 0;
+    }
+
+    /// Starts a line at the first free place, if there is one.
+    pub(super) fn begin(&mut self, point: EdgePoint) -> Option<&mut Track<KNOTS>> {
+        let mut slots = self.slots.iter_mut().enumerate().skip(self.occupied);
+        let Some((place, slot)) = slots.find(|(_, slot)| slot.track().is_none()) else {
+            self.occupied = LINES;
+            return None;
+        };
+        *slot = Slot::Taken(Track::new(point));
+        self.occupied = place + 1;
+        // There is room: one for each place.
+        let _ = self.under_way.push(place as u16);
+        slot.track_mut()
+    }
+
+    /// Takes a line out of those under way; the last one takes its room. `swap_remove` could panic where code is small.
+    pub(super) fn leave_out(&mut self, index: usize) {
+        let last = self.under_way.pop();
+        if let (Some(room), Some(last)) = (self.under_way.get_mut(index), last) {
+            *room = last;
+        }
+    }
+
+    /// Takes the last of the lines under way out of them; its place.
+    pub(super) fn leave_out_last(&mut self) -> Option<u16> {
+        self.under_way.pop()
+    }
+
+    /// Ends a confirmed line that has been left out, and forgets a tentative one. Number of points that are stray.
+    pub(super) fn finish(&mut self, place: u16) -> u32 {
+        if let Some(track) = self.track_mut(place).filter(|track| track.state != State::Tentative) {
+            track.state = State::Ended;
+            // There is room: one for each place.
+            let _ = self.ended.push(place);
+            return 0;
+        }
+        self.forget(place)
+    }
+
+    /// Forgets a line that has been left out. Number of its points.
+    pub(super) fn forget(&mut self, place: u16) -> u32 {
+        self.take(place).map_or(0, |track| u32::from(track.line.points()))
+    }
+
+    /// Takes a line out of its place.
+    fn take(&mut self, place: u16) -> Option<Track<KNOTS>> {
+        match core::mem::replace(self.slots.get_mut(usize::from(place))?, Slot::Free) {
+            Slot::Free => None,
+            Slot::Taken(track) => Some(track),
+        }
+    }
+
+    /// Takes the line that has ended last.
+    pub(super) fn next_line(&mut self) -> Option<Line<KNOTS>> {
+        let place = self.ended.pop()?;
+        self.take(place).map(|track| track.line)
+    }
+
+    /// Places of the lines that have ended.
+    pub(super) fn ended(&self) -> impl DoubleEndedIterator<Item = usize> + Clone {
+        self.ended.iter().map(|place| usize::from(*place))
+    }
+
+    /// Appends a young line to the one that it continues and frees its place, unless they do not fit together.
+    pub(super) fn append(&mut self, older: u16, young: u16, limits: &Limits) -> Option<()> {
+        let track = self.take(young)?;
+        let is_joined = self.track_mut(older).is_some_and(|older| older.append_stitched(&track, limits));
+        if !is_joined {
+            *self.slots.get_mut(usize::from(young))? = Slot::Taken(track);
+            return None;
+        }
+        Some(())
+    }
+}
