@@ -15,6 +15,7 @@ mod continuity;
 mod contrast;
 mod coverage;
 mod drawn;
+mod edges_beside_texture;
 mod endpoints;
 mod false_distances;
 mod flicker;

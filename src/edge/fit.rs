@@ -78,15 +78,21 @@ impl EdgeModel {
         Some((off_q8, contrast_q8))
     }
 
-    /// Beside texture no plateau tells the level at the edge: the edge's own pixels do. With one of the levels from its plateau,
-    /// an error of the width would shift the edge.
+    /// Beside texture a plateau hardly tells the level at the edge: the edge's own pixels do. With one of the levels from its
+    /// plateau, an error of the width would shift the edge. With none from it at all, the column would be another one in rows and
+    /// frames that are found to be beside texture than in those that are not.
     fn with_free_levels<'t, P: Pixels>(&self, window: &Window<'_, P>, norms: &'t Norms) -> Option<Step<'t>> {
-        let means_q8 @ [left_q8, right_q8] = self.levels_q8(window.kind());
-        let moments = window.moments(means_q8);
-        let FreeLevels { off_q8, slope_slope } = window.level_moments(means_q8).free(&moments, norms)?;
+        let [left_q8, right_q8] = self.levels_q8(window.kind());
+        let own_q8 = window.levels_q8()?;
+        let [own_left_q8, own_right_q8] = own_q8;
+        let moments = window.moments(own_q8);
+        let FreeLevels { off_q8: [free_left_q8, free_right_q8], slope_slope } =
+            window.level_moments(own_q8).free(&moments, norms)?;
+        let [found_left_q8, found_right_q8] = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
+        let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
         let [left_off_q8, right_off_q8] = off_q8;
         let contrast_q8 = alike(right_q8 - left_q8, right_off_q8 - left_off_q8)?;
-        let moments = window.moments([left_q8 + left_off_q8, right_q8 + right_off_q8]);
+        let moments = window.moments([found_left_q8, found_right_q8]);
         let (free_slope_slope, centre_q8, template) = (Some(slope_slope), window.centre_q8, self.template());
         Some(Step { template, norms, moments, contrast_q8, free_slope_slope, centre_q8, off_q8 })
     }

@@ -2,6 +2,7 @@
 
 use super::moments::Moments;
 use super::norms::Norms;
+use super::tuning::TEXTURED_PLATEAU;
 use super::weight::Weight;
 
 /// Nearest whole number to a quotient.
@@ -23,6 +24,11 @@ impl Level {
         self.own += share * share;
         self.residual += share * residual_q6;
         self.slope += share * slope;
+    }
+
+    /// With its plateau, whose level is the one to expect.
+    fn with_plateau(self) -> Self {
+        Self { own: self.own + (TEXTURED_PLATEAU << 16), ..self }
     }
 
     /// Less what another level explains, of whose share it has a part.
@@ -61,11 +67,12 @@ impl LevelMoments {
         self.shared += left * right;
     }
 
-    /// Leaves it to the edge's own pixels to tell the levels, by orthogonalisation. `None` where too little of the edge is in view.
+    /// Leaves it to the edge's own pixels to tell the levels, by orthogonalisation; those to expect, the plateaus', count as
+    /// [`TEXTURED_PLATEAU`] pixels each. `None` where too little of the edge is in view.
     pub(super) fn free(&self, moments: &Moments, norms: &Norms) -> Option<FreeLevels> {
-        let left = self.left;
+        let left = self.left.with_plateau();
         let common_q12 = nearest((self.shared >> 8) << 12, left.own >> 8)?;
-        let right = self.right.without(&left, common_q12, self.shared);
+        let right = self.right.with_plateau().without(&left, common_q12, self.shared);
         // In 1/256 grey level.
         let level = |product: i32, own: i32| nearest((product >> 8).clamp(-(1 << 20), 1 << 20) << 10, own >> 8);
         let (mut slope_slope, mut residual_slope) = (i64::from(norms.slope_slope), i64::from(moments.residual_slope));

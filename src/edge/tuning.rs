@@ -49,6 +49,11 @@ pub(super) const LONG_BLUR_Q8: u16 = 4 << 8;
 /// a wrong level shifts the edge (`frames::sigma_is_honest`).
 pub(crate) const PLATEAU: i32 = 4;
 
+/// Beside texture a plateau counts as so many pixels of the flank: with none, columns change where a row is found to be beside
+/// texture; with two, what crosses the plateau shifts the edge (`edges_beside_texture::their_columns_are_those_of_all_frames`,
+/// `clutter::crossing_bars_lead_no_line_astray`).
+pub(super) const TEXTURED_PLATEAU: i32 = 1;
+
 /// Most steps in which levels and blur of an edge are found each from the other: long ones settle in four or five
 /// (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const MOST_SETTLING_STEPS: usize = 6;
