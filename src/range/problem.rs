@@ -150,11 +150,21 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// more than stated is known less well.
     fn has_settled(&self, step_squared: S) -> bool {
         let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
-        let has_settled = |scatter: S| {
-            let is_near = step_squared < scatter && self.blur_moves() < settled * scatter;
-            step_squared < settled * scatter || is_near && self.is_linear(settled * scatter)
-        };
-        has_settled(S::ONE) || has_settled(self.scatter().max(S::ONE))
+        if step_squared < settled {
+            return true;
+        }
+        let is_near = step_squared < S::ONE;
+        let moves = if is_near { self.blur_moves() } else { S::ZERO };
+        if is_near && moves < settled && self.is_linear(settled) {
+            return true;
+        }
+        let scatter = self.scatter();
+        if !(scatter > S::ONE) {
+            return false;
+        }
+        let settled = settled * scatter;
+        let may_be_linear = || (if is_near { moves } else { self.blur_moves() }) < settled;
+        step_squared < settled || step_squared < scatter && may_be_linear() && self.is_linear(settled)
     }
 
     /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed
@@ -163,6 +173,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn is_linear(&self, settled: S) -> bool {
         let Solved { found, solution, .. } = &self.last;
         let [per_q, per_w] = [over(solution.information_of_inverse_depth()), solution.variance_of_tilt()];
+        let count = S::from_i32(self.observations.len() as i32);
         let (mut of_y, mut of_sigmas) = (S::ZERO, S::ZERO);
         let mut pairs = self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.is_inlier);
         for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
@@ -171,9 +182,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             let (of_q, of_w, off) = (new.q - q, new.w - w, new.y - solution.deviation(old));
             of_sigmas = of_sigmas + of_q * of_q * per_q + of_w * of_w * per_w;
             of_y = of_y + off * off;
+            // Squares: the other end takes nothing away.
+            if !(of_y * count < settled && of_sigmas * count < S::ratio(1, SAME_SIGMA_PART * SAME_SIGMA_PART)) {
+                return false;
+            }
         }
-        let count = S::from_i32(self.observations.len() as i32);
-        of_y * count < settled && of_sigmas * count < S::ratio(1, SAME_SIGMA_PART * SAME_SIGMA_PART)
+        true
     }
 
     /// Mean square of all deviations.
