@@ -1,6 +1,6 @@
-//! Pixels and edge points to ranges without a way to panic: the board's program of this example contains no panic routine,
-//! and its tables lie in memory that is zeroed at reset, not in flash; `.ci/no-panic` checks both in its symbols. It prints
-//! nothing, because `core::fmt` can panic; its exit code tells how it went.
+//! Pixels and edge points to ranges without a way to panic: the board's program of this example contains no panic
+//! routine, and its tables lie in memory that is zeroed at reset, not in flash; `.ci/no-panic` checks both in its
+//! symbols. It prints nothing, because `core::fmt` can panic; its exit code tells how it went.
 //!
 //! Desktop: `cargo run --release --example no_panic`
 //! Board (emulated Cortex-M4F): `cargo run --release --example no_panic --target thumbv7em-none-eabihf`

@@ -1,5 +1,5 @@
-//! A camera stands still beside a road, and a van passes: with the relative velocity the van's edges have ranges, and from the
-//! second frame on the lean of each of them is known.
+//! A camera stands still beside a road, and a van passes: with the relative velocity the van's edges have ranges, and
+//! from the second frame on the lean of each of them is known.
 //!
 //! Desktop: `cargo run --release --example passing`
 //! Board (emulated Cortex-M4F): `cargo run --release --example passing --target thumbv7em-none-eabihf`

@@ -1,5 +1,5 @@
-//! Rows come by an interrupt, 60 frames a second, and are ranged in the main loop as they come; then once more with a main
-//! loop that is too slow on purpose, whose lost rows tear its frames.
+//! Rows come by an interrupt, 60 frames a second, and are ranged in the main loop as they come; then once more with a
+//! main loop that is too slow on purpose, whose lost rows tear its frames.
 //!
 //! Board (emulated Cortex-M4F, 500 million instructions a second):
 //! `BOARD_ICOUNT=shift=1,sleep=off cargo run --release --example rows --target thumbv7em-none-eabihf`

@@ -1,4 +1,5 @@
-//! A camera drives past posts; the points of their edges are streamed row by row, and each range is printed as its line ends.
+//! A camera drives past posts; the points of their edges are streamed row by row, and each range is printed as its line
+//! ends.
 //!
 //! Desktop: `cargo run --release --example stream`
 //! Board (emulated Cortex-M4F): `cargo run --release --example stream --target thumbv7em-none-eabihf`

@@ -1,5 +1,5 @@
-//! What single precision and fixed point cost against double precision, over the range of cameras, motions and depths that
-//! the library is for: no more than a tenth of the sigma of good columns.
+//! What single precision and fixed point cost against double precision, over the range of cameras, motions and depths
+//! that the library is for: no more than a tenth of the sigma of good columns.
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use shutter_range::{EdgePoint, Micro, Q32, Range, RangeStatus, Scalar, Setup, Uncertainty};
@@ -42,8 +42,8 @@ fn unit(vector: [f64; 3]) -> [f64; 3] {
     vector.map(|component| component / length)
 }
 
-/// 0.2 to 30 m/s, 0.3 to 50 m, 5 to 100 ms, focal lengths of half to twice the width of images from 96 to 4096 columns; level
-/// or up to 20° askew, straight on or turning at up to 3 rad/s.
+/// 0.2 to 30 m/s, 0.3 to 50 m, 5 to 100 ms, focal lengths of half to twice the width of images from 96 to 4096 columns;
+/// level or up to 20° askew, straight on or turning at up to 3 rad/s.
 pub(crate) fn anywhere(random: &mut StdRng) -> Case {
     let is_level = random.random::<bool>();
     let turns = random.random::<bool>();
@@ -133,8 +133,8 @@ impl Errors {
     }
 }
 
-/// One of a thousand lines may be called otherwise: those that lie on a limit, or whose rounds do not settle. The bounds are those
-/// of docs/model.md, section 10, with room for another seed.
+/// One of a thousand lines may be called otherwise: those that lie on a limit, or whose rounds do not settle. The
+/// bounds are those of docs/model.md, section 10, with room for another seed.
 fn check(name: &str, errors: &Errors, count: usize, worst: std::ops::Range<f64>, rms: std::ops::Range<f64>) {
     println!("{name}: {errors:?}, RMS {:.1e}, bias {:.1e}", errors.rms(), errors.bias());
     assert!(errors.distances > count / 4, "{name}: {errors:?}");

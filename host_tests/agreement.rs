@@ -77,7 +77,8 @@ fn unit(vector: [f64; 3]) -> [f64; 3] {
     vector.map(|component| component / length)
 }
 
-/// How many of the cases a back end calls otherwise than double precision does, and how many of these it gives a distance.
+/// How many of the cases a back end calls otherwise than double precision does, and how many of these it gives a
+/// distance.
 fn disagreements<S: Scalar>(cases: &[Case]) -> (usize, usize) {
     let mut others = 0;
     let mut wrongly_ok = 0;
@@ -95,16 +96,16 @@ fn cases(make: impl Fn(&mut StdRng) -> Case, count: usize) -> Vec<Case> {
     std::iter::repeat_with(|| make(&mut random)).filter(whole).take(count).collect()
 }
 
-/// A back end that squares, or passes over, what is not a number called a few per cent of these lines `Ok` at a distance
-/// of nothing.
+/// A back end that squares, or passes over, what is not a number called a few per cent of these lines `Ok` at a
+/// distance of nothing.
 #[test]
 fn no_back_end_gives_a_distance_to_a_line_that_fixes_none() {
     const COUNT: usize = 4000;
     let cases = cases(short_line_of_a_camera_that_backs_up, COUNT);
     let exact = cases.iter().filter(|case| case.verdict::<f64>().0 == RangeStatus::Ok).count();
     assert_eq!(exact, 0);
-    // Lines whose rounds do not settle: which of two wrong places they end at is a matter of rounding. Fixed point cuts off
-    // where floating point rounds.
+    // Lines whose rounds do not settle: which of two wrong places they end at is a matter of rounding. Fixed point cuts
+    // off where floating point rounds.
     for (name, (others, wrongly_ok), most) in [
         ("f32", disagreements::<f32>(&cases), COUNT / 1000),
         ("Micro", disagreements::<Micro>(&cases), COUNT / 1000),

@@ -23,7 +23,8 @@ fn declared(path: &Path) -> Vec<String> {
     code(path).lines().filter_map(module).collect()
 }
 
-/// What follows each `keyword::` in the code, one entry for each name of a group: `use crate::{a::B, c}` gives `a` and `c`.
+/// What follows each `keyword::` in the code, one entry for each name of a group: `use crate::{a::B, c}` gives `a` and
+/// `c`.
 fn first_segments(code: &str, keyword: &str) -> Vec<String> {
     let prefix = format!("{keyword}::");
     let mut segments = Vec::new();

@@ -15,8 +15,8 @@ fn worst<S: Scalar>(from: f64, to: f64, function: impl Fn(S) -> S, exact: impl F
         .fold(0.0, f64::max)
 }
 
-/// The documentation of [`Q32`] states 4·10⁻⁹, for the tangent times 1 + tan², which is 7.6 at 1.2 rad. Below 10⁻¹⁰, a tenth
-/// of the type's step near one, nothing would have been compared.
+/// The documentation of [`Q32`] states 4·10⁻⁹, for the tangent times 1 + tan², which is 7.6 at 1.2 rad. Below 10⁻¹⁰, a
+/// tenth of the type's step near one, nothing would have been compared.
 #[test]
 fn fixed_point_trigonometry_is_good_to_four_billionths() {
     const TURN: f64 = std::f64::consts::TAU;
@@ -51,8 +51,8 @@ fn errors_of(operation: impl Fn(Q32, Q32) -> Q32, exact: impl Fn(f64, f64) -> f6
     (worst, mean)
 }
 
-/// As the documentation of [`Q32`] states; below 2·10⁻¹⁰ there are no more bits. What is cut off and not rounded biases by a
-/// fraction of that.
+/// As the documentation of [`Q32`] states; below 2·10⁻¹⁰ there are no more bits. What is cut off and not rounded biases
+/// by a fraction of that.
 #[test]
 fn fixed_point_arithmetic_is_good_to_four_billionths() {
     for (name, (worst, mean)) in [
@@ -142,8 +142,8 @@ fn micromath_root_is_refined_to_the_last_bit_but_one() {
     assert_eq!(Micro(f32::INFINITY).sqrt(), Micro(f32::INFINITY));
 }
 
-/// The documentation of [`Micro`] states a few 10⁻⁴ to 10⁻³, for the tangent times 1 + tan², which is 7.6 at 1.2 rad. Below
-/// 10⁻⁴ it would no longer be micromath's.
+/// The documentation of [`Micro`] states a few 10⁻⁴ to 10⁻³, for the tangent times 1 + tan², which is 7.6 at 1.2 rad.
+/// Below 10⁻⁴ it would no longer be micromath's.
 #[test]
 fn micromath_trigonometry_is_coarse_and_known() {
     let sine = worst::<Micro>(-3.0, 3.0, Micro::sin, f64::sin);
@@ -178,7 +178,8 @@ fn maximum_and_minimum_pass_over_nan() {
     assert_eq!(Scalar::min(1.0_f64, f64::NAN), 1.0);
 }
 
-/// Largest error of the rotation of a camera that has turned about all its axes, by angles from `from` to `to`, in radians.
+/// Largest error of the rotation of a camera that has turned about all its axes, by angles from `from` to `to`, in
+/// radians.
 fn worst_rotation<S: Scalar>(from: f64, to: f64) -> f64 {
     const STEPS: u32 = 500;
     let rate_rad_s = [0.6, -0.64, 0.48];
@@ -194,8 +195,8 @@ fn worst_rotation<S: Scalar>(from: f64, to: f64) -> f64 {
     (0..=STEPS).map(error).fold(0.0, f64::max)
 }
 
-/// By series, and by doublings of the angle beyond one radian, each of which doubles the error at most. An exact rotation would be
-/// one of double precision.
+/// By series, and by doublings of the angle beyond one radian, each of which doubles the error at most. An exact
+/// rotation would be one of double precision.
 #[test]
 fn any_angle_is_turned_to_the_last_bits() {
     for (from, to) in [(0.0, 0.06), (0.06, 1.0), (1.0, 3.2), (3.2, 30.0)] {

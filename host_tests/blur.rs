@@ -74,8 +74,9 @@ fn rms(errors: &[f64]) -> f64 {
 fn blur_tells_lean_from_depth_in_one_frame() {
     let known = MotionBlur::from_calibrated_lens(EXPOSURE_S, Exposure::default().psf_sigma_px);
     let unknown = MotionBlur::from_exposure(EXPOSURE_S);
-    // The lens leaves 2 · 0.7 px · 0.035 px of the variance of 1.65 px² open, or 2 · 0.75 px · 0.144 px where it is unknown,
-    // and the shape 2 % of it. A path of B = 3.6 px makes that 2.7 or 10 % of the inverse depth: over 2 · B²/12.
+    // The lens leaves 2 · 0.7 px · 0.035 px of the variance of 1.65 px² open, or 2 · 0.75 px · 0.144 px where it is
+    // unknown, and the shape 2 % of it. A path of B = 3.6 px makes that 2.7 or 10 % of the inverse depth: over 2 ·
+    // B²/12.
     for (name, blur, part, stated) in [("lens known", known, 0.1, 0.04), ("lens unknown", unknown, 0.25, 0.12)] {
         let (mut alone, mut fused, mut normal) = (Vec::new(), Vec::new(), Vec::new());
         for seed in 0..20 {
@@ -93,7 +94,8 @@ fn blur_tells_lean_from_depth_in_one_frame() {
         println!("{name}: {:.3} alone, {:.4} with blur, {:.2} sigma", rms(&alone), rms(&fused), rms(&normal));
         // Half a degree over a slope of 0.031 px per row is 28 %, of which half at least must be there to be told.
         assert!(rms(&alone) > 0.15, "{}", rms(&alone));
-        // A tenth is the README's 3 % where the lens is known. Unknown, it leaves 10 of 28 % in sigma; it is 0.05 px off here.
+        // A tenth is the README's 3 % where the lens is known. Unknown, it leaves 10 of 28 % in sigma; it is 0.05 px
+        // off here.
         assert!(rms(&fused) < part * rms(&alone), "{name}: {} of {}", rms(&fused), rms(&alone));
         // One, and two sigma of an RMS over 40 errors (1/√80).
         assert!(rms(&normal) < 1.2, "{name}: {} sigma", rms(&normal));

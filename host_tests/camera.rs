@@ -123,7 +123,8 @@ fn the_ray_says_how_it_moves_along_the_row() {
 
 #[test]
 fn a_lens_that_folds_over_is_refused() {
-    // Radius 0.76 in the corner: 1 + 3 k1 r² is zero at the ideal radius 0.577, recorded at 0.385; found somewhat before it.
+    // Radius 0.76 in the corner: 1 + 3 k1 r² is zero at the ideal radius 0.577, recorded at 0.385; found somewhat
+    // before it.
     let fold = Distortion { k1: -1.0, ..Distortion::NONE };
     let error = Camera::new(Intrinsics::centred(640, 480, 520.0), fold).expect_err("folds over");
     assert_eq!(error.parameter, "distortion");
@@ -146,7 +147,8 @@ fn a_focal_length_in_millimetres_is_divided_by_the_pitch() {
 proptest! {
     #![proptest_config(seeded(256))]
 
-    /// Far beyond real lenses: a camera that is accepted inverts its model all over the image, to the 10⁻⁴ px that it checks.
+    /// Far beyond real lenses: a camera that is accepted inverts its model all over the image, to the 10⁻⁴ px that it
+    /// checks.
     #[test]
     fn what_is_accepted_of_the_rational_model_is_inverted(k1 in -0.6..0.6, k2 in -0.6..0.6, k3 in -0.3..0.3,
         k4 in -0.6..0.6, k5 in -0.6..0.6, k6 in -0.3..0.3) {

@@ -37,7 +37,8 @@ fn at(image: &Image, row: isize, column: isize) -> f64 {
     f64::from(image[row][column.clamp(0, COLUMNS as isize - 1) as usize]) / 256.0
 }
 
-/// Compares every pixel with what it should be, to half a grey level for the rounding and a little for the steps before.
+/// Compares every pixel with what it should be, to half a grey level for the rounding and a little for the steps
+/// before.
 fn assert_is(stage: Stage, expected: impl Fn(&Image, isize, isize) -> f64) {
     for rows in [1, 2, 3, 4, 30] {
         let image = image(rows);

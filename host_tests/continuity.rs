@@ -1,4 +1,5 @@
-//! Frames that were lost, came twice, too early or too late, or torn: all known edges are off alike, and a sequence says so.
+//! Frames that were lost, came twice, too early or too late, or torn: all known edges are off alike, and a sequence
+//! says so.
 
 use shutter_range::{Continuity, Motion, Range, RangeStatus, Sequence, Uncertainty};
 
@@ -31,7 +32,8 @@ struct Told {
     errors: Vec<f64>,
 }
 
-/// Frames that are told to follow each other by the interval, and were really taken at `tenths` of it; none of an empty one.
+/// Frames that are told to follow each other by the interval, and were really taken at `tenths` of it; none of an empty
+/// one.
 fn drive(velocity: [f64; 3], tenths: &[Option<u32>], number: u64) -> Vec<Told> {
     drive_past(&posts(), tilt_of(TENTH_DEGREE), velocity, tenths, number)
 }
@@ -171,8 +173,9 @@ fn loosely_stated() -> Uncertainty<f64> {
     tilt_of(DEGREE).with_sigma_time_s(1e-6)
 }
 
-/// With leans of a degree slopes do not tell that a frame was lost between the first two: the second frame then tells of
-/// the depth what holds at any time. The third one forgets what these two have shown, be it of many edges or of a few.
+/// With leans of a degree slopes do not tell that a frame was lost between the first two: the second frame then tells
+/// of the depth what holds at any time. The third one forgets what these two have shown, be it of many edges or of a
+/// few.
 #[test]
 fn a_frame_lost_before_the_second_is_in_the_sigma() {
     let mut breaches = Vec::new();
@@ -228,7 +231,8 @@ fn a_frame_lost_before_the_second_is_in_the_sigma() {
     assert!(breaches.is_empty(), "{breaches:#?}");
 }
 
-/// After a torn frame, which nothing is taken of, the time since the one before is that of both intervals: as unsure as both.
+/// After a torn frame, which nothing is taken of, the time since the one before is that of both intervals: as unsure as
+/// both.
 #[test]
 fn a_torn_frame_between_the_first_two_is_in_the_sigma() {
     let journey = Journey { path: Path::straight(SIDEWAYS), ..Journey::vga() };

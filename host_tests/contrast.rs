@@ -64,7 +64,8 @@ fn contrast_tells_edges_apart() {
         let ranges = second_frame(near_contrast, far_contrast);
         let known: Vec<_> = ranges.iter().filter(|range| range.frames == 2).collect();
         let [range] = known.as_slice() else { panic!("{ranges:#?}") };
-        // Of equal contrast, one that is where the first frame has it is taken. It looks an eighth weaker: the other is near it.
+        // Of equal contrast, one that is where the first frame has it is taken. It looks an eighth weaker: the other is
+        // near it.
         let expected = if is_near { 115.0 + 7.5 } else { 108.0 };
         assert!((range.column_at_first_row - expected).abs() < 4.0, "{near_contrast}, {far_contrast}: {range:#?}");
     }

@@ -1,4 +1,5 @@
-//! A sigma that holds on a real robot: coverage of two sigma and accuracy, frame after frame, whatever is wrong or moves.
+//! A sigma that holds on a real robot: coverage of two sigma and accuracy, frame after frame, whatever is wrong or
+//! moves.
 
 use shutter_range::Uncertainty;
 
@@ -38,7 +39,8 @@ impl Tally {
     }
 }
 
-/// One tally for each frame of as many sequences as `runs`, with random leans, noise and disturbances of the stated sigmas.
+/// One tally for each frame of as many sequences as `runs`, with random leans, noise and disturbances of the stated
+/// sigmas.
 fn tallies<const FRAMES: usize>(
     journey: &Journey,
     depth_m: f64,
@@ -148,11 +150,13 @@ fn measured_motion_costs_no_accuracy() {
     }
 }
 
-/// An error of the speed that wanders within a second or so, at two frame rates: two sigma hold in the twentieth frame, too.
+/// An error of the speed that wanders within a second or so, at two frame rates: two sigma hold in the twentieth frame,
+/// too.
 #[test]
 fn sigma_holds_while_the_speed_drifts() {
     const RUNS: u64 = 400;
-    // 95.4 %, less three times what chance makes of it in 400 runs; the sequence's drift is slower, and may state too much.
+    // 95.4 %, less three times what chance makes of it in 400 runs; the sequence's drift is slower, and may state too
+    // much.
     const SHARE_INSIDE: std::ops::Range<f64> = 0.92..0.995;
     let stated = tilt_of(TENTH_DEGREE).with_sigma_speed(0.02);
     for (interval_s, frames) in [(1.0 / 30.0, 20), (0.2, 8)] {

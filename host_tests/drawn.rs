@@ -18,8 +18,8 @@ pub(crate) type Frame = Vec<[u8; COLUMNS]>;
 /// As large as on a desktop.
 pub(crate) type LargeRanger = Ranger<256, 64, 2048>;
 
-/// On the heap. Not inlined: the copy on the stack would be in the frame of each caller for good, and a test's thread has
-/// 2 MiB.
+/// On the heap. Not inlined: the copy on the stack would be in the frame of each caller for good, and a test's thread
+/// has 2 MiB.
 #[inline(never)]
 pub(crate) fn large_ranger() -> Box<LargeRanger> {
     Box::new(LargeRanger::new())
@@ -133,8 +133,8 @@ impl Shot {
         self.world.setup_with(uncertainty)
     }
 
-    /// Least sigma of an edge's inverse depth from white pixel noise, as a share of it: `2 √π σ_b σ_n²/A²` of variance for
-    /// each row, and a line through all of them.
+    /// Least sigma of an edge's inverse depth from white pixel noise, as a share of it: `2 √π σ_b σ_n²/A²` of variance
+    /// for each row, and a line through all of them.
     pub(crate) fn bound(&self, edge: &DrawnEdge) -> f64 {
         let (line, lens_px) = (&edge.line, f64::from(self.kind.lens_px[0]));
         let [dark, bright] = self.kind.levels;
@@ -277,7 +277,8 @@ impl DrawnEdge {
         last - first + 1
     }
 
-    /// Whether a range is of this edge: within 3 px and half of the motion blur in its first row, within 5 px in its last.
+    /// Whether a range is of this edge: within 3 px and half of the motion blur in its first row, within 5 px in its
+    /// last.
     pub(crate) fn is_of(&self, range: &Range<f64>, exposure_s: f64) -> bool {
         let blur_px = self.line.focal_px * self.line.velocity_m_s[0].abs() / self.line.depth_m * exposure_s;
         let off = |column: f64, row| (column - self.line.column(row)).abs();

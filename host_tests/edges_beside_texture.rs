@@ -63,7 +63,8 @@ fn off_px(surface: &Surface, column_px: f64, random: &mut StdRng) -> f64 {
 fn their_columns_are_those_of_all_frames() {
     const FRAMES: u32 = 12;
     const SURFACES: u64 = 12;
-    // Noise alone is 0.005 px. It is 0.008 px, and 0.011 px where plateaus count for nothing in those rows that are beside texture.
+    // Noise alone is 0.005 px. It is 0.008 px, and 0.011 px where plateaus count for nothing in those rows that are
+    // beside texture.
     const DEVIATION_PX: core::ops::Range<f64> = 0.003..0.0095;
     let mut squares = 0.0;
     for seed in 0..SURFACES {

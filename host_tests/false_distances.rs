@@ -1,5 +1,5 @@
-//! Where nothing upright stands there is no distance: texture, leaning bars, clutter and flat frames, with linear pixels
-//! stated and with a camera of which nothing but the exposure is known.
+//! Where nothing upright stands there is no distance: texture, leaning bars, clutter and flat frames, with linear
+//! pixels stated and with a camera of which nothing but the exposure is known.
 
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};

@@ -119,7 +119,8 @@ fn mains_pwm_and_strobe() {
     }
 }
 
-/// 95.4 %, with three sigma of a share of 150 on the lower side and two on the upper. Two frames alone, and twenty: errors against the stated sigma, with lamps, exposures, phases and frame rates drawn at random.
+/// 95.4 %, with three sigma of a share of 150 on the lower side and two on the upper. Two frames alone, and twenty:
+/// errors against the stated sigma, with lamps, exposures, phases and frame rates drawn at random.
 #[test]
 fn two_sigma_hold_what_they_say() {
     for (frames, depth) in [(2, 0.05), (20, 0.05), (20, 0.6)] {

@@ -193,8 +193,8 @@ fn accuracy_of_each_format_against_grey() {
     }
 }
 
-/// What the phase is in the model for: taken for grey, the colours of a mosaic pass for noise, and sigma is three times what
-/// the error is.
+/// What the phase is in the model for: taken for grey, the colours of a mosaic pass for noise, and sigma is three times
+/// what the error is.
 #[test]
 fn a_mosaic_taken_for_grey_is_worse() {
     let sharp = Exposure { psf_sigma_px: 0.5, read_noise: 0.5, shot_gain: 0.01, ..USUAL };

@@ -1,5 +1,5 @@
-//! Straight away from an edge with its tilt free: only the curve of its line tells tilt from depth, and an edge as far behind the
-//! camera fits nearly as well.
+//! Straight away from an edge with its tilt free: only the curve of its line tells tilt from depth, and an edge as far
+//! behind the camera fits nearly as well.
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use shutter_range::{Estimate, RangeStatus, Sample, fit};
@@ -41,7 +41,8 @@ fn backing_away(seed: u64, sigma_tilt: f64) -> Estimate<f64> {
     fit::<f64, _, 48>(&scene.setup_with(tilt_of(sigma_tilt)), &scene.motion(), samples).expect("sound samples")
 }
 
-/// With a prior of 3°: the fit that is begun from the first guess alone comes out behind the camera in two of five cases.
+/// With a prior of 3°: the fit that is begun from the first guess alone comes out behind the camera in two of five
+/// cases.
 #[test]
 fn an_edge_is_found_in_front_of_the_camera_and_not_behind_it() {
     const SIGMA_TILT: f64 = 0.05;
@@ -68,7 +69,8 @@ fn what_is_ok_has_settled_in_the_best_place() {
     assert!(ok > 1000 && far_off * 100 <= ok, "{far_off} of {ok}");
 }
 
-/// Where the rounds do not settle, the last one still tells how well a straight edge fits, with the tilt that it has found.
+/// Where the rounds do not settle, the last one still tells how well a straight edge fits, with the tilt that it has
+/// found.
 #[test]
 fn a_straight_edge_is_not_bent_where_its_tilt_is_free() {
     // One, and four sigma of an RMS with 45 degrees of freedom: 1/√90 each.

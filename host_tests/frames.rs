@@ -226,8 +226,8 @@ fn bearings_are_right_within_their_sigma() {
     }
 }
 
-/// The sides of so thin a rod shift each other outwards by up to a pixel, in all rows alike, and hide each other's width. The
-/// depth is right all the same, and a known exposure must not refuse them.
+/// The sides of so thin a rod shift each other outwards by up to a pixel, in all rows alike, and hide each other's
+/// width. The depth is right all the same, and a known exposure must not refuse them.
 #[test]
 fn a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides() {
     let (world, exposure) = (moving(1.5), Exposure::default());
@@ -260,7 +260,8 @@ fn a_line_goes_on_behind_a_rail() {
             assert_found(&format!("level {level}, seed {seed}"), &found, &truths, 0.01);
             for (range, truth) in found.iter().zip(&truths) {
                 assert!(range.first_row <= LOST_ROWS && range.last_row >= ROWS - 1 - LOST_ROWS, "{range:?}");
-                // A row or two at either end of the image and on either side of the rail, whose own blur hides the edge.
+                // A row or two at either end of the image and on either side of the rail, whose own blur hides the
+                // edge.
                 assert!(range.points.abs_diff(truth.visible_rows) <= 5, "{range:?} for {truth:?}");
             }
         }
@@ -286,8 +287,8 @@ fn a_line_goes_on_behind_a_rail_when_the_table_is_full() {
     assert!(found.iter().all(|range| range.last_row >= ROWS - 1 - LOST_ROWS), "{found:#?}");
 }
 
-/// Sixteen rows are enough where nothing else is in view. (Among so many edges that some of their points are bound to lie in line
-/// by chance, a line must be longer.)
+/// Sixteen rows are enough where nothing else is in view. (Among so many edges that some of their points are bound to
+/// lie in line by chance, a line must be longer.)
 #[test]
 fn short_bars_are_found_in_a_clear_view() {
     let bar = |bearing| Bar::upright(bearing, 1.0, 0.1, 60.0).between(-0.027, 0.027).into();

@@ -110,7 +110,8 @@ fn rows_of_another_thread() {
     });
 }
 
-/// An interrupt that searches its rows itself hands over edge points: the same ranges come out as from points that went no way.
+/// An interrupt that searches its rows itself hands over edge points: the same ranges come out as from points that went
+/// no way.
 #[test]
 fn edge_points_go_the_same_way() {
     type Points = heapless::Vec<EdgePoint, 16>;

@@ -74,10 +74,12 @@ impl Swing {
         [part(x, across[0], a), part(y, across[1], b), part(z, across[2], c)]
     }
 
-    /// Points of an edge at an azimuth (about gravity, from the optical axis), with its lean, in the frame that starts at a time.
+    /// Points of an edge at an azimuth (about gravity, from the optical axis), with its lean, in the frame that starts
+    /// at a time.
     fn points(&self, azimuth: f64, lean: f64, start_s: f64, random: &mut StdRng) -> Vec<EdgePoint> {
         let [a, b, c] = self.down();
-        // A horizontal direction straight ahead, turned to the azimuth; the edge's plane contains it and the edge's direction.
+        // A horizontal direction straight ahead, turned to the azimuth; the edge's plane contains it and the edge's
+        // direction.
         let ahead = [-a * c, -b * c, 1.0 - c * c];
         let foot = self.turned(ahead, azimuth);
         let side = cross([a, b, c], foot);

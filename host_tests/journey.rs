@@ -1,5 +1,5 @@
-//! Several frames of a camera on any path past edges that may lean and move: an independent projection in world axes and
-//! double precision.
+//! Several frames of a camera on any path past edges that may lean and move: an independent projection in world axes
+//! and double precision.
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;

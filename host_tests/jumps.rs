@@ -125,8 +125,8 @@ fn lost_bytes_are_noticed() {
     });
 }
 
-/// Each row sees the one pulse within its exposure: the edges stand still for as long as the rows see the same, and jump.
-/// The nearer an edge, the farther: fewer are beyond chance.
+/// Each row sees the one pulse within its exposure: the edges stand still for as long as the rows see the same, and
+/// jump. The nearer an edge, the farther: fewer are beyond chance.
 #[test]
 fn pulsed_light_is_noticed() {
     assert_noticed("pulsed light", 15, |passing, random| {

@@ -94,7 +94,8 @@ fn the_largest_image_fits() {
     });
     let line = line_of::<4>(&rows.collect::<Vec<_>>());
     assert_eq!(line.points(), u16::MAX);
-    // In the last knot of 16383 rows one column of 32768 px is not cancelled: 2 px. A sigma of 256 px over √16384 rows: 2 px.
+    // In the last knot of 16383 rows one column of 32768 px is not cancelled: 2 px. A sigma of 256 px over √16384 rows:
+    // 2 px.
     assert!(line.samples::<f64>().all(|sample| sample.column_px.abs() < 3.0 && sample.sigma_px > 1.0));
     assert_eq!(line.mean_width_px::<f64>(), Some(f64::from(u16::MAX) / 256.0));
 }

@@ -1,5 +1,5 @@
-//! The fit and its covariance against an independent one: dense normal equations over exact projections, inverted by Gaussian
-//! elimination. The library never forms a normal matrix, and solves by orthogonalisation.
+//! The fit and its covariance against an independent one: dense normal equations over exact projections, inverted by
+//! Gaussian elimination. The library never forms a normal matrix, and solves by orthogonalisation.
 
 use proptest::prelude::*;
 use shutter_range::{RangeStatus, Sample, fit};
@@ -17,8 +17,8 @@ pub(crate) struct Dense {
 }
 
 impl Dense {
-    /// The least-squares estimate from points on rows, and an edge that is upright but for `sigma_tilt`. It starts from the
-    /// edge of the scene itself.
+    /// The least-squares estimate from points on rows, and an edge that is upright but for `sigma_tilt`. It starts from
+    /// the edge of the scene itself.
     pub(crate) fn fit(scene: &Scene, samples: &[Sample<f64>], sigma_tilt: f64) -> Self {
         let mut estimate = [scene.bearing, 1.0 / scene.depth_m, scene.tilt];
         let (mut covariance, mut step) = (Matrix::default(), Vector::default());
@@ -108,8 +108,8 @@ fn inverse(matrix: Matrix) -> Matrix {
     rows.map(|[_, _, _, a, b, c]| [a, b, c])
 }
 
-/// Most difference of an estimate, in its sigma. The library ends its rounds where the last one has moved it by less than a
-/// fiftieth of that, and takes the coefficients of a sample at its noisy column: both are of second order.
+/// Most difference of an estimate, in its sigma. The library ends its rounds where the last one has moved it by less
+/// than a fiftieth of that, and takes the coefficients of a sample at its noisy column: both are of second order.
 const ESTIMATE: f64 = 0.01;
 /// Most relative difference of a sigma, likewise.
 const SIGMA: f64 = 1e-3;
@@ -136,7 +136,8 @@ proptest! {
         let found = fit::<f64, _, 48>(&scene.setup_with(tilt_of(sigma_tilt)), &scene.motion(), samples.iter().copied());
         let found = found.expect("sound samples");
         let dense = Dense::fit(&scene, &samples, sigma_tilt);
-        // In forward motion a valley of tilt and depth can be so flat and so curved that no iteration of this kind settles.
+        // In forward motion a valley of tilt and depth can be so flat and so curved that no iteration of this kind
+        // settles.
         prop_assume!(found.status() == RangeStatus::Ok && dense.has_converged);
         let [bearing, inverse_depth, tilt] = dense.estimate;
         let (of_estimate, of_sigma) = if sigma_tilt > 0.0 { (ESTIMATE, SIGMA) } else { (WITHOUT_TILT, WITHOUT_TILT) };

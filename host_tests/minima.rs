@@ -1,5 +1,6 @@
-//! With blur and a tilt in question there are several minima: the other sign of the path during the exposure, the mirrored depth.
-//! The right one is found, or the line gets no distance. With as many knots as keep what a knot averages out of it.
+//! With blur and a tilt in question there are several minima: the other sign of the path during the exposure, the
+//! mirrored depth. The right one is found, or the line gets no distance. With as many knots as keep what a knot
+//! averages out of it.
 
 use rand::{Rng, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;

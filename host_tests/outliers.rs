@@ -33,7 +33,8 @@ fn points_of_something_else_are_left_out_and_not_counted_as_used() {
     }
 }
 
-/// A third is five of 15 knots. Three that are far off are left out first; the three that are then found would make six.
+/// A third is five of 15 knots. Three that are far off are left out first; the three that are then found would make
+/// six.
 #[test]
 fn more_than_a_third_of_a_line_is_never_left_out() {
     let offsets_px = [40.0, -2.0, -50.0, 3.0, 60.0, -2.5];

@@ -61,7 +61,8 @@ const HD: Case = Case {
     bearing: (-0.01, 0.01),
 };
 
-/// The clean scenarios of the bench: one post before an even background, without clutter, occlusion or extremes of noise.
+/// The clean scenarios of the bench: one post before an even background, without clutter, occlusion or extremes of
+/// noise.
 const CLEAN: [Case; 11] = [
     Case { name: "1080p rod, 5 m", depth_m: 5.0, ..HD },
     HD,
@@ -197,8 +198,8 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Within 15 % of what is measured; of some 160 edges, whose root mean square is known to 6 %, and to 8 % where both edges of a
-/// post share errors.
+/// Within 15 % of what is measured; of some 160 edges, whose root mean square is known to 6 %, and to 8 % where both
+/// edges of a post share errors.
 fn check(case: &Case, uncertainty: Uncertainty<f64>) {
     const FRAMES: u64 = 80;
     let outcome = case.measure(uncertainty, FRAMES);

@@ -1,7 +1,7 @@
 //! What a sequence knows of an edge at the next frame's start, against the exact geometry of the way there.
 //!
-//! The covariance of the first frame, from dense normal equations, is carried on by a Jacobian of finite differences. The
-//! library's is read from the range of a line in the next frame that says next to nothing.
+//! The covariance of the first frame, from dense normal equations, is carried on by a Jacobian of finite differences.
+//! The library's is read from the range of a line in the next frame that says next to nothing.
 
 use proptest::prelude::*;
 use shutter_range::{EdgePoint, Motion, Range, RangeStatus, Sample, Sequence, Setup};
@@ -104,7 +104,8 @@ fn range_in(sequence: &mut Sequence<f64, 1>, setup: &Setup<f64>, scene: &Scene, 
     found.expect("a range for the line")
 }
 
-/// Most difference of the estimate from the exact geometry, in its sigma: what the later line of 256 px says against it.
+/// Most difference of the estimate from the exact geometry, in its sigma: what the later line of 256 px says against
+/// it.
 const ESTIMATE: f64 = 1e-6;
 /// Most relative difference of a sigma, and of a correlation: what that line adds where the depth is hardly known, the
 /// differences that stand for derivatives, and the rounds of the first frame.
@@ -113,7 +114,8 @@ const COVARIANCE: f64 = 3e-3;
 proptest! {
     #![proptest_config(seeded(300))]
 
-    /// Forwards and backwards in time, and with priors on tilt from next to exact to what is usual, so that each unknown counts.
+    /// Forwards and backwards in time, and with priors on tilt from next to exact to what is usual, so that each
+    /// unknown counts.
     #[test]
     fn a_sequence_propagates_by_the_jacobian_of_the_exact_geometry(
         scene in scenes(),
@@ -148,7 +150,8 @@ proptest! {
         let dense = Dense::fit(&scene, &points.iter().map(sample).collect::<Vec<_>>(), sigma_tilt);
         let jacobian = transition.jacobian(state);
         let covariance = product(product(jacobian, dense.covariance), transposed(jacobian));
-        // A lean along the optical axis is as likely as one across it, and shows as the camera turns or the bearing changes.
+        // A lean along the optical axis is as likely as one across it, and shows as the camera turns or the bearing
+        // changes.
         let shown = transition.shown_lean().hypot(next[0] - state[0]) * sigma_tilt;
         let sigma_tilt = (covariance[2][2] + shown * shown).sqrt();
         let [sigma_bearing, sigma_inverse_depth] = [covariance[0][0].sqrt(), covariance[1][1].sqrt()];

@@ -1,8 +1,9 @@
-//! Frames as cameras deliver them and edges as the world has them: how many edges are found, and whether two sigma hold.
+//! Frames as cameras deliver them and edges as the world has them: how many edges are found, and whether two sigma
+//! hold.
 //!
 //! Of an honest sigma 95.4 % of the errors lie inside two of it, and the RMS of error over sigma is 1. By chance alone
-//! sixty frames of four posts, 480 edges, differ from that by 1.0 % and 0.03, forty frames by 1.2 % and 0.04 (one standard
-//! deviation): the bounds are three of them away. Each test prints its scores (`-- --nocapture`).
+//! sixty frames of four posts, 480 edges, differ from that by 1.0 % and 0.03, forty frames by 1.2 % and 0.04 (one
+//! standard deviation): the bounds are three of them away. Each test prints its scores (`-- --nocapture`).
 
 use std::sync::OnceLock;
 
@@ -132,8 +133,8 @@ fn sensors_frames() -> &'static LeaningShots {
     SHOTS.get_or_init(|| leaning_shots(&Kind::STRAIGHT))
 }
 
-/// Leans stated and true, the exposure known (and with it the lens as it was before the camera did anything), against the
-/// same frames without the exposure.
+/// Leans stated and true, the exposure known (and with it the lens as it was before the camera did anything), against
+/// the same frames without the exposure.
 fn judge_camera(name: &str, shots: &LeaningShots, frame: impl Fn(&Shot) -> Frame) -> Vec<String> {
     let asked = Asked { found: 0.97, inside: 0.92 };
     let (mut breaches, mut scores) = (Vec::new(), Vec::new());

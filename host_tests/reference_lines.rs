@@ -4,11 +4,11 @@ use shutter_range::{Estimate, Micro, Q32, Range, Scalar, Sigmas, fit};
 
 use crate::scenes::{ReferenceLine, TENTH_DEGREE, line_of, range_of, reference_lines, tilt_of};
 
-/// Worst relative error of depth in double precision, as the README has it: columns are rounded to 10⁻¹³ px, which counts where
-/// tilt is free.
+/// Worst relative error of depth in double precision, as the README has it: columns are rounded to 10⁻¹³ px, which
+/// counts where tilt is free.
 const DOUBLE: f64 = 1e-9;
-/// Worst relative error of depth in the other back ends, as the README has it: columns are rounded to 3·10⁻⁵ px in single
-/// precision, where the skew is 0.7 to 166 px.
+/// Worst relative error of depth in the other back ends, as the README has it: columns are rounded to 3·10⁻⁵ px in
+/// single precision, where the skew is 0.7 to 166 px.
 const SINGLE: f64 = 3e-5;
 /// The same where tilt is estimated with a prior of 0.1°, along which an error of the columns weighs more.
 const SINGLE_WITH_TILT: f64 = 1e-4;
@@ -96,7 +96,8 @@ fn the_other_back_ends_recover_every_depth() {
     assert!(worst::<Q32>(TENTH_DEGREE) < SINGLE_WITH_TILT);
 }
 
-/// 48 sparse rows through points of 1/65536 px and 16 knots, to the 10⁻³ that the README promises for one row in twenty.
+/// 48 sparse rows through points of 1/65536 px and 16 knots, to the 10⁻³ that the README promises for one row in
+/// twenty.
 #[test]
 fn sparse_rows_through_knots_keep_every_depth() {
     for line in reference_lines() {
@@ -120,8 +121,8 @@ fn full_rows_through_knots_keep_every_depth() {
     }
 }
 
-/// Without any prior on tilt, the points' 1/65536 px counts: 1.5·10⁻⁴ of their noise of 0.1 px, in scenes where sigma is many
-/// times the depth.
+/// Without any prior on tilt, the points' 1/65536 px counts: 1.5·10⁻⁴ of their noise of 0.1 px, in scenes where sigma
+/// is many times the depth.
 #[test]
 fn full_rows_with_free_tilt_err_hardly_against_sigma() {
     for line in reference_lines() {

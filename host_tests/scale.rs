@@ -30,8 +30,8 @@ fn table2<S: Scalar>() -> Vec<Pass<S>> {
     .collect()
 }
 
-/// A fit done elsewhere has κ 2.352 ± 0.014 with a tilt of 0.006 ± 0.034°, and 2.354 ± 0.006 without one; its sigmas are those
-/// of the scatter, which is 1.07 times the 0.1° that is stated here.
+/// A fit done elsewhere has κ 2.352 ± 0.014 with a tilt of 0.006 ± 0.034°, and 2.354 ± 0.006 without one; its sigmas
+/// are those of the scatter, which is 1.07 times the 0.1° that is stated here.
 #[test]
 fn table_2() {
     fn of<S: Scalar>() -> [f64; 6] {

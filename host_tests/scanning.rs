@@ -99,9 +99,9 @@ fn steps(length: usize, levels: &[(usize, u8)]) -> Vec<u8> {
 /// Sharp to widely blurred, at all phases of the pixels and all places in a block.
 #[test]
 fn columns_are_good_to_a_fraction_of_a_pixel() {
-    // The threshold cuts off the flanks of an edge, at some phases on one side only. A difference of 24 that is missing 4 px from
-    // the centroid of an area of 16 times the contrast shifts it by 0.03 px at 200 grey levels and by 0.15 px at 40; a wide blur
-    // has it 9 px away.
+    // The threshold cuts off the flanks of an edge, at some phases on one side only. A difference of 24 that is missing
+    // 4 px from the centroid of an area of 16 times the contrast shifts it by 0.03 px at 200 grey levels and by 0.15 px
+    // at 40; a wide blur has it 9 px away.
     for (psf_sigma_px, bound_px) in
         [(0.0, 0.05), (0.5, 0.05), (0.7, 0.05), (1.0, 0.05), (1.5, 0.05), (2.0, 0.05), (3.0, 0.07)]
     {
@@ -179,8 +179,8 @@ fn the_sigma_of_an_isolated_edge_is_its_noise() {
 fn noise_is_estimated() {
     // A median of whole grey levels is coarse where the noise is about a level.
     const MEAN_OFF: f32 = 0.2;
-    // Steps of a thirty-second let the median waver by 13 %, four sigma of which are a factor of 1.5; and half a level of
-    // rounding on top where the noise is about a level.
+    // Steps of a thirty-second let the median waver by 13 %, four sigma of which are a factor of 1.5; and half a level
+    // of rounding on top where the noise is about a level.
     const WORST: f32 = 2.5;
     for read_noise in [0.5_f32, 1.0, 1.5, 2.0, 2.5, 3.0, 5.0, 8.0, 12.0, 20.0] {
         let mut scanner = Scanner::new();
@@ -209,7 +209,8 @@ fn noise_is_no_edge() {
         let mut scanner = Scanner::new();
         let rows = rows_of(&flat(128.0), noisy(read_noise), 7, 0..1000);
         let found: usize = rows.iter().map(|row| scan(&mut scanner, row).len()).sum();
-        // Four sigma on either side, once in 16000 of the 20 or so independent windows of 1000 rows: 1.2, three at most.
+        // Four sigma on either side, once in 16000 of the 20 or so independent windows of 1000 rows: 1.2, three at
+        // most.
         assert!(found <= 3, "noise {read_noise}: {found} edges in 1000 rows");
     }
 }
@@ -247,7 +248,8 @@ fn edges_eight_pixels_from_the_border_are_exact() {
     }
 }
 
-/// A faint edge that moves no block's sum enough is found where the look at its neighbour comes upon it, on either side.
+/// A faint edge that moves no block's sum enough is found where the look at its neighbour comes upon it, on either
+/// side.
 #[test]
 fn an_edge_at_the_end_of_a_look_is_whole() {
     for first in 160..176 {
@@ -417,8 +419,8 @@ fn fence(period_px: f64, duty: f64, share: f64, contrast: f32, seed: u64) -> (Ve
     (rows.collect(), columns)
 }
 
-/// However many upright edges there are over the whole row, they are neither noise nor texture, and no period hides them in sums
-/// of pixels. Below a contrast of 60 some periods still do.
+/// However many upright edges there are over the whole row, they are neither noise nor texture, and no period hides
+/// them in sums of pixels. Below a contrast of 60 some periods still do.
 #[test]
 fn fences_are_edges() {
     let mut missed = Vec::new();

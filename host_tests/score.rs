@@ -72,8 +72,8 @@ impl Score {
         sizes[sizes.len() * 683 / 1000]
     }
 
-    /// Prints the score and tells what of it is not as asked; sigma must not be too small. Whether it is blown up shows only
-    /// [over a whole row of the table](Self::judge_row).
+    /// Prints the score and tells what of it is not as asked; sigma must not be too small. Whether it is blown up shows
+    /// only [over a whole row of the table](Self::judge_row).
     pub(crate) fn judge(&self, name: &str, asked: Asked) -> Vec<String> {
         let (found, inside, honest) = (self.share_found(), self.share_inside(), self.rms_normal());
         println!(

@@ -1,4 +1,5 @@
-//! Lines continued from frame to frame: what several frames tell of tilt and distance, which edge is which, and what moves.
+//! Lines continued from frame to frame: what several frames tell of tilt and distance, which edge is which, and what
+//! moves.
 
 use shutter_range::{Continuity, EdgePoint, ErrorSource, Polarity, Q32, Range, RangeStatus, Scalar, Sigmas};
 
@@ -21,7 +22,8 @@ fn five_frames_tell_tilt_from_distance() {
             assert!(normal.abs() < MOST_SIGMAS, "frame {frame}: {normal} sigma");
         }
         let (first, last) = (&found[0], &found[4]);
-        // Half a degree over a slope of 0.031 px per row is 28 %, but for noise; after five frames the README promises 0.1 %.
+        // Half a degree over a slope of 0.031 px per row is 28 %, but for noise; after five frames the README promises
+        // 0.1 %.
         assert!((0.2..0.35).contains(&first.1.abs()), "{}", first.1);
         assert!(last.1.abs() < 0.001, "{}", last.1);
         let estimate = &last.0.estimate;
@@ -36,7 +38,8 @@ fn five_frames_tell_tilt_from_distance() {
     check::<Q32>();
 }
 
-/// An edge that is stated to be upright stays so in every frame, however badly the rotation is known: no tilt is fitted.
+/// An edge that is stated to be upright stays so in every frame, however badly the rotation is known: no tilt is
+/// fitted.
 #[test]
 fn what_is_stated_to_be_upright_stays_upright() {
     fn check<S: Scalar>() {
@@ -341,7 +344,8 @@ fn a_drive_of_100_000_frames_loses_no_line() {
         (sequence.dropped_lines(), ranger.counters().dropped_lines, ranger.counters().dropped_points),
         (0, 0, 0)
     );
-    // Posts that have just come into view are not yet ok; errors of a post's frames go together, so their mean square wavers.
+    // Posts that have just come into view are not yet ok; errors of a post's frames go together, so their mean square
+    // wavers.
     assert!(ok * 10 > told * 9 && (0.5..2.0).contains(&(squares / ok as f64)));
 }
 
@@ -350,7 +354,8 @@ fn points_of(journey: &Journey, post: &Post, frame: u32) -> usize {
     rows.filter(|row| journey.column(post, frame, *row).is_some()).count()
 }
 
-/// A camera that stands still at first has nothing to remember but bearings; it must not mix its edges up when it moves off.
+/// A camera that stands still at first has nothing to remember but bearings; it must not mix its edges up when it moves
+/// off.
 #[test]
 fn a_start_from_standstill_mixes_no_edges_up() {
     fn check<S: Scalar>() {

@@ -53,8 +53,8 @@ fn frame_of<const N: usize>(simulator: &Simulator<'_, N>, world: &projection::Sc
     (0..world.rows).map(|row| row_of(simulator, row, world.columns)).collect()
 }
 
-/// Most error of the column of a single row: the five or so pixels of a flank are rounded to 1/255 of the step, √(5/12)/255 px in
-/// all, at four sigma.
+/// Most error of the column of a single row: the five or so pixels of a flank are rounded to 1/255 of the step,
+/// √(5/12)/255 px in all, at four sigma.
 const ERROR_OF_ROW_PX: f64 = 0.01;
 
 /// Where a black-to-white edge lies, by the white area within `reach` pixels of where it should be.
@@ -141,7 +141,8 @@ fn wide_images_keep_their_precision() {
         by_area(&row_of(&simulator, *row, world.columns), expected, 6.0).expect("in the image") - expected
     };
     let mean = rows.iter().map(error).sum::<f64>() / 1080.0;
-    // Rounding to grey levels in 1080 rows, at six sigma; columns near 1900 have steps of 0.0001 px in single precision.
+    // Rounding to grey levels in 1080 rows, at six sigma; columns near 1900 have steps of 0.0001 px in single
+    // precision.
     assert!(mean.abs() < 0.0005, "{mean}");
 }
 
@@ -307,7 +308,8 @@ fn seeds_and_frames_change_the_noise_alone() {
     let here = row(1, 0);
     assert_eq!(here, row(1, 0));
     for other in [row(2, 0), row(1, 1), row(u64::MAX, u32::MAX)] {
-        // A sigma of 2 to 4 levels: hardly a fifth of 320 pixels has the same value again, and none differs by ten sigma.
+        // A sigma of 2 to 4 levels: hardly a fifth of 320 pixels has the same value again, and none differs by ten
+        // sigma.
         assert!(here.iter().zip(&other).filter(|(a, b)| a != b).count() > 200, "other noise");
         assert!(here.iter().zip(&other).all(|(a, b)| a.abs_diff(*b) < 40), "the same scene");
     }
@@ -475,8 +477,8 @@ fn later_frames_continue_the_motion() {
     }
 }
 
-/// The estimator on points measured in rendered rows.
-/// A camera that turns about down: what it sees far away goes the other way by as much as its rate says, and gravity stays.
+/// The estimator on points measured in rendered rows. A camera that turns about down: what it sees far away goes the
+/// other way by as much as its rate says, and gravity stays.
 #[test]
 fn a_swing_turns_the_camera_about_down() {
     let scene = scene_of(0.0, [Bar::upright(0.1, 1000.0, 20.0, 200.0).into()]);
@@ -517,7 +519,8 @@ fn the_range_finder_finds_the_truth() {
         })
         .collect();
     let found = range_of::<f32>(&world, Uncertainty::NONE, &points).estimate;
-    // Points rounded to 0.004 px in 480 rows with a skew of 15 px: 6e-5, and 1e-6 of bearing, but alike from row to row.
+    // Points rounded to 0.004 px in 480 rows with a skew of 15 px: 6e-5, and 1e-6 of bearing, but alike from row to
+    // row.
     assert!((f64::from(found.inverse_depth_per_m) * truth.depth_m - 1.0).abs() < 0.002, "{found:?} for {truth:?}");
     assert!((f64::from(found.bearing) - truth.bearing).abs() < 1e-4, "{found:?} for {truth:?}");
 }

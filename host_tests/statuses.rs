@@ -64,7 +64,8 @@ fn a_slope_against_the_motion_is_inconsistent() {
     assert!(range.depth(Sigmas(2.0)).estimate_m.is_none());
 }
 
-/// A dozen noisy rows, each a knot by itself: in one line of five one of them departs by more than the limit, by chance.
+/// A dozen noisy rows, each a knot by itself: in one line of five one of them departs by more than the limit, by
+/// chance.
 #[test]
 fn noise_is_no_bend() {
     const NOISE_PX: f64 = 0.6;

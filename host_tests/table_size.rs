@@ -63,7 +63,8 @@ fn drive<const LANDMARKS: usize>() -> Told {
     Told { dropped: sequence.dropped_lines(), ..told }
 }
 
-/// A landmark for each line and a quarter more is as good as any number; as many as lines loses little, half as many do not do.
+/// A landmark for each line and a quarter more is as good as any number; as many as lines loses little, half as many do
+/// not do.
 #[test]
 fn table_size_is_a_quarter_more_than_lines() {
     let told = [drive::<7>(), drive::<14>(), drive::<18>(), drive::<28>(), drive::<128>()];

@@ -1,5 +1,5 @@
-//! Edges before a textured wall in several frames: what is behind an edge changes from frame to frame and draws its column
-//! aside, and sigma says so.
+//! Edges before a textured wall in several frames: what is behind an edge changes from frame to frame and draws its
+//! column aside, and sigma says so.
 
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Texture};
 use shutter_range::{Line, Motion, Range, RangeStatus, Ranger, Sequence, Twist, Uncertainty};

@@ -1,4 +1,5 @@
-//! Torn frames: a missing, repeated or late row is noticed, never becomes a distance, and the next frame is as it should be.
+//! Torn frames: a missing, repeated or late row is noticed, never becomes a distance, and the next frame is as it
+//! should be.
 
 use shutter_range::sim::Exposure;
 use shutter_range::{ReadoutDirection, RowError, Setup, Uncertainty};
@@ -38,7 +39,8 @@ fn torn_frames_yield_nothing_and_the_next_one_is_whole() {
     for direction in [TOP, ReadoutDirection::BottomToTop] {
         let bottom_up = direction == ReadoutDirection::BottomToTop;
         let row_at = |index: u16| if bottom_up { 239 - index } else { index };
-        // Index of the row in the order of readout, and which one comes instead: left out, repeated, long gone, not there.
+        // Index of the row in the order of readout, and which one comes instead: left out, repeated, long gone, not
+        // there.
         for (index, instead) in [(100, 101), (100, 99), (100, 20), (1, 0), (0, 1), (0, 120), (239, 238)] {
             assert_recovers(&format!("{instead} for {index}"), direction, |ranger, setup, frame| {
                 feed(ranger, setup, frame, index);

@@ -44,8 +44,8 @@ fn assert_depths(found: &[Range<f64>], depths_m: &[f64]) {
 
 use Polarity::{Falling, Rising};
 
-/// Most relative error of a depth from exact points: what rounding to 1/65536 px, knots and sparse rows cost. A single point of
-/// another edge would cost more.
+/// Most relative error of a depth from exact points: what rounding to 1/65536 px, knots and sparse rows cost. A single
+/// point of another edge would cost more.
 const MOST_ERROR: f64 = 1e-3;
 
 #[test]
@@ -64,8 +64,8 @@ fn close_neighbours_stay_apart() {
     assert_depths(&ranges(&scene, &rows_of(&scene, &posts)), &[2.0, 2.0, 2.0]);
 }
 
-/// Two edges of one polarity within each other's blur, of which the older one is not seen in a row: there may be fewer lines than
-/// edges, but none has points of both.
+/// Two edges of one polarity within each other's blur, of which the older one is not seen in a row: there may be fewer
+/// lines than edges, but none has points of both.
 #[test]
 fn two_edges_within_their_blur_are_not_mixed() {
     let scene = Scene::vga();

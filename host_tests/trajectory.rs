@@ -127,8 +127,8 @@ fn same_as_the_twist<S: Scalar>(tolerance: f64) {
 
 #[test]
 fn a_constant_twist_is_a_twist() {
-    // One rounding at each stamp, of which there are up to twenty: 1e-16, 6e-8 and 9e-10 of numbers near one; `Q32` cuts off
-    // instead.
+    // One rounding at each stamp, of which there are up to twenty: 1e-16, 6e-8 and 9e-10 of numbers near one; `Q32`
+    // cuts off instead.
     same_as_the_twist::<f64>(ROUNDING);
     same_as_the_twist::<f32>(5e-7);
     same_as_the_twist::<Micro>(5e-7);
@@ -441,12 +441,14 @@ fn points_of_a_wild_ride(scene: &Scene, start_s: f64) -> Vec<EdgePoint> {
     (0..scene.rows).map(point).collect()
 }
 
-/// Braking, yawing and nodding within the frame: with a sensor of 1 kHz the depth is right, with the twist of frame start it is not.
+/// Braking, yawing and nodding within the frame: with a sensor of 1 kHz the depth is right, with the twist of frame
+/// start it is not.
 #[test]
 fn a_changing_motion_costs_no_depth_where_it_is_sampled() {
     // Second order in 1 ms, on a skew of a few pixels.
     const SAMPLED: f64 = 2e-5;
-    // A fifth of the change of the velocity within a frame, which the twist misses together with that of the rotation rate.
+    // A fifth of the change of the velocity within a frame, which the twist misses together with that of the rotation
+    // rate.
     const CONSTANT: f64 = 3e-3;
     let start_ns = 40 * MS;
     let start_s = seconds(start_ns);

@@ -130,8 +130,8 @@ fn sigma_explains_an_error_of_gravity() {
     assert!((sigma / roll.hypot(pitch) - 1.0).abs() < 0.05, "sigma {sigma}, roll {roll}, pitch {pitch}");
 }
 
-/// Before a camera at rest an edge has a bearing and a tilt and no depth: the bearing at y = 0 is what the line through the points
-/// says there, which they do not reach.
+/// Before a camera at rest an edge has a bearing and a tilt and no depth: the bearing at y = 0 is what the line through
+/// the points says there, which they do not reach.
 #[test]
 fn sigma_of_the_bearing_of_a_camera_at_rest_includes_tilt() {
     let scene = Scene { velocity_m_s: [0.0; 3], ..Scene::vga() };
@@ -153,7 +153,8 @@ fn sigma_of_the_bearing_of_a_camera_at_rest_includes_tilt() {
     }
 }
 
-/// At 15 m in the paper's set-up, 0.1° over a slope of 0.035 px per row is 0.75 m; 340 points of 0.1 px are worth 0.024 m.
+/// At 15 m in the paper's set-up, 0.1° over a slope of 0.035 px per row is 0.75 m; 340 points of 0.1 px are worth 0.024
+/// m.
 #[test]
 fn tilt_is_the_error_budget_of_the_paper() {
     let scene = Scene {

@@ -54,8 +54,8 @@ fn angle(a: Vector, b: Vector) -> f64 {
     (0..3).map(|axis| a[axis] * b[axis]).sum::<f64>().min(1.0).acos()
 }
 
-/// A camera that rolls and pitches by several degrees, of which it knows nothing, finds the vertical to a tenth of a degree
-/// and the posts to a percent. Taken as level, it would be off by 12°.
+/// A camera that rolls and pitches by several degrees, of which it knows nothing, finds the vertical to a tenth of a
+/// degree and the posts to a percent. Taken as level, it would be off by 12°.
 #[test]
 fn a_sequence_learns_the_vertical() {
     for (number, attitude) in
@@ -64,7 +64,8 @@ fn a_sequence_learns_the_vertical() {
         let random = &mut seed(20 + number as u64);
         let path = Path { attitude, ..Path::straight([-1.5, 0.0, 0.2]) };
         let journey = Journey { path, ..Journey::vga() };
-        // What a first frame with 13° of tilt leaves behind is not linear: a hundredth of a pixel, below the roughness of any edge.
+        // What a first frame with 13° of tilt leaves behind is not linear: a hundredth of a pixel, below the roughness
+        // of any edge.
         let uncertainty = Uncertainty::NONE.with_sigma_tilt(TENTH_DEGREE).with_edge_roughness_px(0.03);
         let setup = journey.setup(uncertainty);
         let mut vertical = Vertical::level();
@@ -112,8 +113,8 @@ fn a_sequence_learns_the_vertical() {
 /// 0.03° as a slope.
 const LEAN: f64 = 0.3 * TENTH_DEGREE;
 
-/// A frame of eight short faint bars, sixteen edges, that a camera with a wide lens takes with 8 ms of exposure, rolled and
-/// pitched by `attitude`.
+/// A frame of eight short faint bars, sixteen edges, that a camera with a wide lens takes with 8 ms of exposure, rolled
+/// and pitched by `attitude`.
 struct Exposed {
     lines: Vec<Line<16>>,
     truth: Vec<Truth>,
@@ -174,9 +175,9 @@ impl Exposed {
     }
 }
 
-/// Blur tells the leans of a single frame's edges apart from their distances, and what the leans have in common is roll and
-/// pitch: each within its sigma. With them the distances are a little better than with a camera that is only said to be level: what
-/// all blurs have in common, of the lens and of the edges' shape, looks like roll.
+/// Blur tells the leans of a single frame's edges apart from their distances, and what the leans have in common is roll
+/// and pitch: each within its sigma. With them the distances are a little better than with a camera that is only said
+/// to be level: what all blurs have in common, of the lens and of the edges' shape, looks like roll.
 #[test]
 fn a_single_frame_with_blur_tells_the_vertical() {
     let level = Vertical::level();
@@ -209,7 +210,8 @@ fn a_single_frame_with_blur_tells_the_vertical() {
     assert!(fitted.0 < 0.95 * level.0 && (0.4..1.2).contains(&fitted.1), "{level:?}, {fitted:?}");
 }
 
-/// Without an exposure the lean of all edges looks like their distances: a single frame cannot tell the vertical, and says so.
+/// Without an exposure the lean of all edges looks like their distances: a single frame cannot tell the vertical, and
+/// says so.
 #[test]
 fn a_single_frame_without_blur_tells_no_vertical() {
     let random = &mut seed(30);

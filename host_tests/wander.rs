@@ -60,15 +60,16 @@ fn errors<const KNOTS: usize>(scene: &Scene, displace: Displace, sigma_px: f64, 
     (0..RUNS).map(run).collect()
 }
 
-/// What RMS of error/sigma and share inside two sigma have to be. By chance alone a thousand errors are off by 0.02 and 1 %.
+/// What RMS of error/sigma and share inside two sigma have to be. By chance alone a thousand errors are off by 0.02 and
+/// 1 %.
 #[derive(Clone, Copy)]
 struct Asked {
     rms: [f64; 2],
     inside: f64,
 }
 
-/// A sigma that is estimated from six modes, or four, makes of the errors Student's distribution: of 90.8 and 88.4 % inside
-/// two sigma, and a deviation of 1.22 and 1.41.
+/// A sigma that is estimated from six modes, or four, makes of the errors Student's distribution: of 90.8 and 88.4 %
+/// inside two sigma, and a deviation of 1.22 and 1.41.
 const OF_SIX: Asked = Asked { rms: [0.6, 1.22], inside: 0.88 };
 const OF_FOUR: Asked = Asked { rms: [0.6, 1.45], inside: 0.855 };
 
@@ -80,8 +81,8 @@ fn assert_honest(name: &str, errors: &[f64], asked: Asked) {
     assert!(inside >= asked.inside && (least..most).contains(&rms), "{name}: {inside} in two sigma, {rms}");
 }
 
-/// The edge of [`Scene::vga`], and a nearer one with 60 px of skew. Eight knots, which twelve become over 480 rows, leave four
-/// modes beside place and slope.
+/// The edge of [`Scene::vga`], and a nearer one with 60 px of skew. Eight knots, which twelve become over 480 rows,
+/// leave four modes beside place and slope.
 fn judge(name: &str, displace: Displace, sigma_px: f64, stated_px: f64, few: Asked, many: Asked) {
     for (at, scene) in [("2 m", Scene::vga()), ("0.5 m", Scene { depth_m: 0.5, ..Scene::vga() })] {
         let name = |knots| format!("{name}, {at}, {knots} knots");
@@ -98,7 +99,8 @@ fn roughness_larger_than_stated() {
     }
 }
 
-/// What is stated may also be due to columns of the sensor, which an edge at 2 m crosses slowly: half of sigma is caution.
+/// What is stated may also be due to columns of the sensor, which an edge at 2 m crosses slowly: half of sigma is
+/// caution.
 #[test]
 fn roughness_as_stated() {
     let cautious = Asked { rms: [0.4, 1.0], inside: 0.95 };

@@ -88,8 +88,8 @@ pub enum RowError {
         /// The row that came.
         row: u16,
     },
-    /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light is
-    /// pulsed. The frame is torn.
+    /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light
+    /// is pulsed. The frame is torn.
     Jump {
         /// The first row after the jump.
         row: u16,
@@ -173,8 +173,8 @@ pub enum EdgeError {
         /// Time of the point in nanoseconds since frame start.
         time_ns: i64,
     },
-    /// The stamp lies outside the frame that the readout allows, or the stamps do not rise with the rows. Mostly it is the time
-    /// since the board started instead of that since frame start, or one in other units.
+    /// The stamp lies outside the frame that the readout allows, or the stamps do not rise with the rows. Mostly it is
+    /// the time since the board started instead of that since frame start, or one in other units.
     Stamp {
         /// Row of the point.
         row: u16,
@@ -185,8 +185,8 @@ pub enum EdgeError {
     },
     /// The frame is one of rows of pixels, in which the edge points are found.
     FrameOfPixels,
-    /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light is
-    /// pulsed. The frame is torn.
+    /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light
+    /// is pulsed. The frame is torn.
     Jump {
         /// The first row after the jump.
         row: u16,
@@ -354,7 +354,8 @@ pub enum FitError {
     TooManySamples,
     /// A sample's column, row, time or sigma is not finite, sigma is not positive, or the lens maps nothing there.
     InvalidSample(usize),
-    /// The edges run along the rows at this sample: the camera lies on its side, or the edges' vanishing point is in view.
+    /// The edges run along the rows at this sample: the camera lies on its side, or the edges' vanishing point is in
+    /// view.
     Sideways(usize),
     /// The solution lies beyond the range of the numbers: these samples are not those of an edge.
     Diverged,

@@ -1,15 +1,16 @@
 //! Rows from an interrupt to the main loop, without a lock and without a copy.
 //!
 //! Buffers go round: the interrupt fills one, [`RowSender::hand_over`] gives it to the main loop and gets an empty one
-//! back, and the main loop returns it with [`RowReceiver::give_back`]. Where the main loop is too slow there is no empty
-//! buffer: the interrupt keeps its own and fills it again, the row in it is lost and counted, and the rows that follow say so,
-//! since one is missing: [`Ranger::row`](crate::Ranger::row) then tears the frame. Neither side ever waits.
+//! back, and the main loop returns it with [`RowReceiver::give_back`]. Where the main loop is too slow there is no
+//! empty buffer: the interrupt keeps its own and fills it again, the row in it is lost and counted, and the rows that
+//! follow say so, since one is missing: [`Ranger::row`](crate::Ranger::row) then tears the frame. Neither side ever
+//! waits.
 //!
-//! Buffers are of any type, `&'static mut [u8; 320]` as a rule, and are moved, not copied. An interrupt that has the time to
-//! search its row for edges, by a [`Scanner`](crate::Scanner) of its own, fills a `heapless::Vec` of
+//! Buffers are of any type, `&'static mut [u8; 320]` as a rule, and are moved, not copied. An interrupt that has the
+//! time to search its row for edges, by a [`Scanner`](crate::Scanner) of its own, fills a `heapless::Vec` of
 //! [`EdgePoint`](crate::EdgePoint)s instead: less is then handed over, and the main loop goes on with
-//! [`Ranger::edge_point`](crate::Ranger::edge_point). Two queues of `heapless::spsc`
-//! carry them: plain loads and stores, so that a Cortex-M0 can have it, and no critical section.
+//! [`Ranger::edge_point`](crate::Ranger::edge_point). Two queues of `heapless::spsc` carry them: plain loads and
+//! stores, so that a Cortex-M0 can have it, and no critical section.
 //!
 //! ```
 //! use shutter_range::hand_over::RowQueue;
@@ -32,8 +33,8 @@
 
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Buffers on their way: a `static`, or in the frame of a `main` that never returns. `N − 1` of them at most, that which is
-/// being filled not counted.
+/// Buffers on their way: a `static`, or in the frame of a `main` that never returns. `N − 1` of them at most, that
+/// which is being filled not counted.
 pub struct RowQueue<B, const N: usize> {
     full: Queue<SentRow<B>, N>,
     empty: Queue<B, N>,
@@ -83,8 +84,8 @@ pub struct RowSender<'q, B> {
 }
 
 impl<B> RowSender<'_, B> {
-    /// Takes the next row of the frame and gives a buffer for the one after it: another one, or the same where there is no
-    /// other. The row is then lost.
+    /// Takes the next row of the frame and gives a buffer for the one after it: another one, or the same where there is
+    /// no other. The row is then lost.
     #[must_use]
     pub fn hand_over(&mut self, content: B) -> B {
         let row = self.row;

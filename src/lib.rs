@@ -1,8 +1,9 @@
 //! Distance from the rolling-shutter effect: a moving camera with a rolling shutter as a range finder.
 //!
-//! A rolling shutter reads one row after the other. In the image of a moving camera an upright edge is therefore sheared,
-//! the more the nearer it is. Rows of pixels, or of edge points, go in as a sensor delivers them; for every upright edge a
-//! bearing, an inverse depth and an honest sigma come out, from a single frame, in bounded time and memory, without a heap.
+//! A rolling shutter reads one row after the other. In the image of a moving camera an upright edge is therefore
+//! sheared, the more the nearer it is. Rows of pixels, or of edge points, go in as a sensor delivers them; for every
+//! upright edge a bearing, an inverse depth and an honest sigma come out, from a single frame, in bounded time and
+//! memory, without a heap.
 //!
 //! ```text
 //! pixel row ─scan─▶ edge points ─track─▶ lines ─fit─▶ Range { status, bearing, inverse depth, tilt, covariance }
@@ -38,11 +39,12 @@
 //! # Ok::<(), Box<dyn core::error::Error>>(())
 //! ```
 //!
-//! The line time, on which every distance rests, comes from the sensor itself: [`measure`] fits it to stamped interrupts, and
-//! `sensor` (feature `embedded-hal`) reads it from the registers of ten common chips. [`calibrate`] measures it without either, by a
-//! lamp that flickers, and the scale of the camera by edges at known distances.
+//! The line time, on which every distance rests, comes from the sensor itself: [`measure`] fits it to stamped
+//! interrupts, and `sensor` (feature `embedded-hal`) reads it from the registers of ten common chips. [`calibrate`]
+//! measures it without either, by a lamp that flickers, and the scale of the camera by edges at known distances.
 //!
-//! The motion of a frame is a constant [`Twist`], or what a [`Trajectory`] makes of stamped odometry and gyroscope samples.
+//! The motion of a frame is a constant [`Twist`], or what a [`Trajectory`] makes of stamped odometry and gyroscope
+//! samples.
 //!
 //! # Conventions
 //!
@@ -64,28 +66,28 @@
 //!
 //! # What a distance is worth
 //!
-//! A result is never a bare number: see [`RangeStatus`]. An edge too far, too slow or too short is a status with numbers
-//! ("farther than 12 m"), not an error and not NaN. Errors are for misuse.
+//! A result is never a bare number: see [`RangeStatus`]. An edge too far, too slow or too short is a status with
+//! numbers ("farther than 12 m"), not an error and not NaN. Errors are for misuse.
 //!
 //! An edge that leans by β in the image looks like a nearer or farther one: one tenth of a degree is worth 5 % at 15 m
-//! in the paper's set-up, thirty times the noise of columns that are good to 0.1 px. The columns of a single frame cannot tell the two apart, so the tilt
-//! is a third unknown with a prior ([`Uncertainty::sigma_tilt`], 0.1° unless you know better), and sigma includes it. What
-//! does tell them apart in the same frame is motion blur: a moving edge is smeared over its path during the exposure,
-//! whatever its lean ([`MotionBlur`]). With a known exposure the blur is one more measurement in the same least squares,
-//! and an edge whose blur contradicts its slope is refused. Several frames of a moving camera measure the tilt
-//! ([`Sequence`]). An object that moves at constant velocity looks like a static one at another distance until the camera's
-//! velocity changes.
+//! in the paper's set-up, thirty times the noise of columns that are good to 0.1 px. The columns of a single frame
+//! cannot tell the two apart, so the tilt is a third unknown with a prior ([`Uncertainty::sigma_tilt`], 0.1° unless you
+//! know better), and sigma includes it. What does tell them apart in the same frame is motion blur: a moving edge is
+//! smeared over its path during the exposure, whatever its lean ([`MotionBlur`]). With a known exposure the blur is one
+//! more measurement in the same least squares, and an edge whose blur contradicts its slope is refused. Several frames
+//! of a moving camera measure the tilt ([`Sequence`]). An object that moves at constant velocity looks like a static
+//! one at another distance until the camera's velocity changes.
 //!
-//! Errors that all edges of a frame share, such as that of a wrong speed, do not average out over edges; [`Budget`] tells
-//! them apart from those that are independent, and names the largest.
+//! Errors that all edges of a frame share, such as that of a wrong speed, do not average out over edges; [`Budget`]
+//! tells them apart from those that are independent, and names the largest.
 //!
 //! # Numbers
 //!
-//! Scanning and tracking use integers only. The solver runs on any [`Scalar`]; a back end is a type, and a feature adds it.
-//! Every number that is handed out is finite. Next to `f64`, `f32` and `Micro` are off by less than a tenth, `Q32` by less than
-//! 1/500 of the sigma that columns of 0.05 px leave (`cargo test accuracy`). Where the last digits decide, back ends may differ in
-//! the status: `f32` and `Micro` in one of a thousand lines that fix no depth, `Q32` in one of 250, and each in less than one of
-//! a thousand lines of upright edges (`cargo test agreement`).
+//! Scanning and tracking use integers only. The solver runs on any [`Scalar`]; a back end is a type, and a feature adds
+//! it. Every number that is handed out is finite. Next to `f64`, `f32` and `Micro` are off by less than a tenth, `Q32`
+//! by less than 1/500 of the sigma that columns of 0.05 px leave (`cargo test accuracy`). Where the last digits decide,
+//! back ends may differ in the status: `f32` and `Micro` in one of a thousand lines that fix no depth, `Q32` in one of
+//! 250, and each in less than one of a thousand lines of upright edges (`cargo test agreement`).
 //!
 //! | feature | adds |
 //! | --- | --- |

@@ -13,12 +13,12 @@ use crate::setup::Setup;
 
 /// The whole way from rows to ranges: at most `LINES` lines of `KNOTS` knots, and `POINTS` edge points on one row.
 ///
-/// A pipeline without mathematics of its own: it checks what comes in, finds the edge points of rows of pixels, tracks them
-/// to lines and ranges the lines that end. It holds tables and no parameters.
+/// A pipeline without mathematics of its own: it checks what comes in, finds the edge points of rows of pixels, tracks
+/// them to lines and ranges the lines that end. It holds tables and no parameters.
 ///
-/// An empty ranger is all zero bits. Make it a `static`: it then lies in memory that is zeroed at reset and takes no flash.
-/// A safe `&'static mut` to it comes from `cortex-m-rt`, whose `#[entry]` function may have a `static mut` of its own
-/// (`examples/no_panic.rs`), or from `ConstStaticCell` of the crate `static_cell`:
+/// An empty ranger is all zero bits. Make it a `static`: it then lies in memory that is zeroed at reset and takes no
+/// flash. A safe `&'static mut` to it comes from `cortex-m-rt`, whose `#[entry]` function may have a `static mut` of
+/// its own (`examples/no_panic.rs`), or from `ConstStaticCell` of the crate `static_cell`:
 ///
 /// ```ignore
 /// static RANGER: ConstStaticCell<BoardRanger> = ConstStaticCell::new(BoardRanger::new());
@@ -96,11 +96,11 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         Self { tracker: Tracker::new(), row: Vec::new(), scanner: Scanner::new(), frame: Frame::Started }
     }
 
-    /// Takes one edge point. Rows come in the order of readout, each row's points in any order; the row is complete when
-    /// a point of another one comes.
+    /// Takes one edge point. Rows come in the order of readout, each row's points in any order; the row is complete
+    /// when a point of another one comes.
     ///
-    /// *Errors*: see [`EdgeError`]; a refused point changes nothing, but for [`EdgeError::Jump`], which tears the frame. A point
-    /// for which the row's buffer has no room is no error: it is counted.
+    /// *Errors*: see [`EdgeError`]; a refused point changes nothing, but for [`EdgeError::Jump`], which tears the
+    /// frame. A point for which the row's buffer has no room is no error: it is counted.
     ///
     /// *Cost*: a binary search in the row's points, and a move of those on the right of it.
     pub fn edge_point<S: Scalar>(&mut self, setup: &Setup<S>, point: EdgePoint) -> Result<(), EdgeError> {
@@ -127,16 +127,16 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         Ok(())
     }
 
-    /// Takes one row of pixels: bytes, dark 0 to bright 255, or any other [format](crate::format). Rows come in the order
-    /// of readout, each once.
+    /// Takes one row of pixels: bytes, dark 0 to bright 255, or any other [format](crate::format). Rows come in the
+    /// order of readout, each once.
     ///
-    /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are given
-    /// up and further rows are refused until the next frame, since what looks like a sheared edge may be the tear. So do
-    /// rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a frame of edge
-    /// points is refused and changes nothing.
+    /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are
+    /// given up and further rows are refused until the next frame, since what looks like a sheared edge may be the
+    /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a
+    /// frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and two to four thousand for each edge; docs/budget.md has them by
-    /// board, and what texture and fences cost.
+    /// *Cost*: some seven to twelve instructions a pixel and two to four thousand for each edge; docs/budget.md has
+    /// them by board, and what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
@@ -246,7 +246,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.tracker.next_line()
     }
 
-    /// The line that [`next_line`](Self::next_line) would take, in its place in the table: there it needs no other room.
+    /// The line that [`next_line`](Self::next_line) would take, in its place in the table: there it needs no other
+    /// room.
     pub(crate) fn placed_line(&self) -> Option<(usize, &Line<KNOTS>)> {
         let place = self.tracker.ended().next_back()?;
         Some((place, self.tracker.line_at(place)?))
@@ -354,8 +355,8 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: u
     Ok(())
 }
 
-/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that share
-/// a window of the scanner keep their columns, but their widths are not measured.
+/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that
+/// share a window of the scanner keep their columns, but their widths are not measured.
 fn refine_alone<P: Pixels, const LINES: usize>(
     points: &mut [EdgePoint],
     pixels: PixelRow<'_, P>,

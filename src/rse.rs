@@ -152,8 +152,8 @@ pub struct Endpoint<S> {
     pub sigma: S,
 }
 
-/// The exact range of an upright edge from its two ends (the paper's two lights), seen by a level camera that moves with
-/// a constant `velocity_m_s` and does not turn: no small angle, no small time.
+/// The exact range of an upright edge from its two ends (the paper's two lights), seen by a level camera that moves
+/// with a constant `velocity_m_s` and does not turn: no small angle, no small time.
 ///
 /// ρ = Δu/D with D = (u1 v_z − v_x) Δt + t2 v_z Δu. Sigma includes the noise of both ends and a tilt of `sigma_tilt`
 /// (as a slope), which two ends cannot tell from distance.

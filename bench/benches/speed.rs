@@ -1,4 +1,5 @@
-//! `cargo bench -p shutter-range-bench`: pixels per second of each stage, of a peer, and of the plain sum of all pixels.
+//! `cargo bench -p shutter-range-bench`: pixels per second of each stage, of a peer, and of the plain sum of all
+//! pixels.
 //!
 //! Criterion calls the pixels elements (elem/s); those of `range` are ranges. One thread, frames rendered beforehand.
 

@@ -8,7 +8,8 @@ use crate::truth::UprightEdge;
 /// Least standard deviation of an edge's inverse depth in 1/m, from the rows that show it, with the bearing unknown and
 /// levels, blur and motion known. Infinite where the rows cannot tell.
 ///
-/// Each row tells the column with a variance of 1/Σ (slope of the blurred step)²/noise²; all rows together tell two unknowns.
+/// Each row tells the column with a variance of 1/Σ (slope of the blurred step)²/noise²; all rows together tell two
+/// unknowns.
 pub(crate) fn sigma_inverse_depth(shot: &Shot, edge: &UprightEdge, rows: &[u16]) -> f64 {
     // Fisher information: bearing twice, bearing and inverse depth, inverse depth twice.
     let [mut aa, mut ar, mut rr] = [0.0; 3];

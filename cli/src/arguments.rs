@@ -16,8 +16,8 @@ use crate::help;
 use crate::input::raw_frame::RawFrame;
 use crate::setup_arguments::{CameraArgs, MotionArgs, SetupArgs};
 
-/// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than far
-/// ones.
+/// Distance from the rolling-shutter effect: upright edges lean in the frames of a moving camera, near ones more than
+/// far ones.
 #[derive(Parser)]
 #[command(name = "shutter-range", version, after_help = help::EXAMPLES)]
 pub(crate) struct Cli {
@@ -147,15 +147,16 @@ pub(crate) struct FrameArgs {
     /// Draw each edge with its depth and sigma over the frame. Several frames give OUT-NAME.png, with each frame's name
     #[arg(long, value_name = "OUT.png", value_parser = png_path)]
     pub(crate) overlay: Option<PathBuf>,
-    /// Write a page to look at: each frame with its edges, a bird's-eye view in metres, a table with the error budgets, hints
+    /// Write a page to look at: each frame with its edges, a bird's-eye view in metres, a table with the error budgets,
+    /// hints
     #[arg(long, value_name = "OUT.html", value_parser = html_path)]
     pub(crate) report: Option<PathBuf>,
     /// Draw the edges of the whole sequence from above, with two-sigma bars and the camera's path
     #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]
     pub(crate) map: Option<PathBuf>,
     /// The files are dumps of pixels without a header, row by row from the top. FORMAT is gray8 (default), yuyv, yvyu,
-    /// uyvy, vyuy, rgb565le, rgb565be, gray10p (RAW10 as MIPI packs it), gray10le, gray12le, bayer8, bayer10p, bayer10le
-    /// or bayer12le
+    /// uyvy, vyuy, rgb565le, rgb565be, gray10p (RAW10 as MIPI packs it), gray10le, gray12le, bayer8, bayer10p,
+    /// bayer10le or bayer12le
     #[arg(long, value_name = "WIDTHxHEIGHT[:FORMAT]")]
     pub(crate) raw: Option<RawFrame>,
     /// Search so many frames at a time for edges; default: one for each core
@@ -199,8 +200,8 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same one gives the same frames
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Seconds from the start of one frame to the start of the next; 0: the same instant with other noise; default: 1/30
-    /// s, or the readout time of the frame if that is longer
+    /// Seconds from the start of one frame to the start of the next; 0: the same instant with other noise; default:
+    /// 1/30 s, or the readout time of the frame if that is longer
     #[arg(long, value_name = "SECONDS", value_parser = interval, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
     /// The camera also turns back and forth about the vertical, by this angle to either side

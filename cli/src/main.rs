@@ -145,7 +145,8 @@ fn run_plan(arguments: &PlanArgs, json: bool) -> Result<String> {
     if json { terminal::json(&document) } else { Ok(plan::text(&document, terminal::colours())) }
 }
 
-/// The tables of a ranger are built on the stack before they go to the heap: too much for the main thread of some systems.
+/// The tables of a ranger are built on the stack before they go to the heap: too much for the main thread of some
+/// systems.
 fn on_a_large_stack(work: impl FnOnce() -> Result<ExitCode> + Send + 'static) -> Result<ExitCode> {
     let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn(work);
     match thread.context("starting a thread")?.join() {

@@ -12,14 +12,14 @@ use crate::scalar::{Scalar, hypot, ln};
 /// Takes the brightness of one row after the other, of a scene that a flickering lamp lights, and says the line time.
 ///
 /// Bands are ν = F ℓ periods of the lamp in a row. From one frame to the next the scene stays and the bands move: the
-/// difference of the logarithms of two frames is free of the scene, whatever it shows. Frames are taken in pairs, which do
-/// not share their noise. Exposure and gain may change from frame to frame, the camera must stand still.
+/// difference of the logarithms of two frames is free of the scene, whatever it shows. Frames are taken in pairs, which
+/// do not share their noise. Exposure and gain may change from frame to frame, the camera must stand still.
 ///
 /// A lamp that flickers more than half a period in a row looks like a slower one: below that the line time is taken to
 /// be, and [`with_frame_interval_s`](Self::with_frame_interval_s) makes sure.
 ///
-/// *Memory*: two numbers for each of `ROWS` rows. *Cost*: a logarithm a row, and about 4 · rows² operations for each second
-/// frame.
+/// *Memory*: two numbers for each of `ROWS` rows. *Cost*: a logarithm a row, and about 4 · rows² operations for each
+/// second frame.
 ///
 /// *Source*: docs/model.md, section 11.1.
 ///
@@ -69,16 +69,16 @@ struct Fits<S> {
 /// The darkest row whose logarithm is taken, in 1/256 grey level: one level.
 const DARKEST_Q8: u16 = 256;
 
-/// Of the taper (Hann), with n rows and w its values: ¼ π⁻² Σw²y² (Σw)²/(2 Σw² (Σwy²)²) n² is the variance of the frequency in
-/// squared periods in a frame, where power and noise of the peak are alike.
+/// Of the taper (Hann), with n rows and w its values: ¼ π⁻² Σw²y² (Σw)²/(2 Σw² (Σwy²)²) n² is the variance of the
+/// frequency in squared periods in a frame, where power and noise of the peak are alike.
 const VARIANCE: (i32, i32) = (2_374, 10_000);
 
-/// Of the same taper: something else at a distance of d periods in a frame, with the same amplitude and any phase, moves
-/// the frequency by 0.55/(d (d² − 1)), as a root mean square.
+/// Of the same taper: something else at a distance of d periods in a frame, with the same amplitude and any phase,
+/// moves the frequency by 0.55/(d (d² − 1)), as a root mean square.
 const LEAKAGE: (i32, i32) = (55, 100);
 
-/// Pairs beyond which their own scatter is a better sigma than the floor of the spectrum, in which the many harmonics of a
-/// pulsed lamp pass for noise (`two_sigma_hold_what_they_say`).
+/// Pairs beyond which their own scatter is a better sigma than the floor of the spectrum, in which the many harmonics
+/// of a pulsed lamp pass for noise (`two_sigma_hold_what_they_say`).
 const ENOUGH_PAIRS: u16 = 4;
 
 /// Steps of Newton's method; two suffice from within a tenth of a period.
@@ -309,8 +309,8 @@ fn weights<S: Scalar>(rows: usize) -> impl Iterator<Item = (S, S)> + Clone {
     turned.zip(places).map(move |(turned, place)| ((S::ONE + turned.re) * half, place))
 }
 
-/// The frequency near one at which tapered values have most power, as a deviation from it in periods in a frame, and that
-/// power. `None` where it runs away: there is no peak in these values.
+/// The frequency near one at which tapered values have most power, as a deviation from it in periods in a frame, and
+/// that power. `None` where it runs away: there is no peak in these values.
 fn refined<S: Scalar>(tapered: &[S], periods: S) -> Option<(S, S)> {
     let rows = S::from_i32(tapered.len() as i32);
     let turn = S::from_ratio(6_283_185_307, 1_000_000_000);

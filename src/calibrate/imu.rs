@@ -11,14 +11,15 @@ use crate::range::fit;
 use crate::scalar::{Scalar, add, cross, dot, hypot, scale};
 use crate::setup::{Setup, Uncertainty};
 
-/// Takes the lines of upright edges in frames of a camera that turns and hardly moves, each with the motion that the gyroscope
-/// tells for three offsets of its clock, and says by how much clock and gravity are off.
+/// Takes the lines of upright edges in frames of a camera that turns and hardly moves, each with the motion that the
+/// gyroscope tells for three offsets of its clock, and says by how much clock and gravity are off.
 ///
-/// With the right offset and the right gravity all edges are upright. A lean that follows the change of the rotation rate is
-/// an offset in time, one that all edges share is roll, and one in proportion to the bearing is pitch. At rest there is no
-/// offset to be seen, and the lean of the edges is the camera's roll and pitch alone.
+/// With the right offset and the right gravity all edges are upright. A lean that follows the change of the rotation
+/// rate is an offset in time, one that all edges share is roll, and one in proportion to the bearing is pitch. At rest
+/// there is no offset to be seen, and the lean of the edges is the camera's roll and pitch alone.
 ///
-/// Each edge leans a little for itself, alike in all frames: it has a name, by which its own lean is told from the rest.
+/// Each edge leans a little for itself, alike in all frames: it has a name, by which its own lean is told from the
+/// rest.
 ///
 /// The offset is linear in the lean as long as it is small against the time in which the rotation changes: repeat with
 /// the offset found until it stays.
@@ -111,11 +112,11 @@ impl<S: Scalar> core::error::Error for ImuRefusal<S> {}
 const LEAST_LINES: u32 = 8;
 
 impl<S: Scalar, const EDGES: usize> ImuCalibration<S, EDGES> {
-    /// For motions with this gravity, whose clocks are a step apart, and for edges that lean by `sigma_lean` (a slope), each
-    /// for itself.
+    /// For motions with this gravity, whose clocks are a step apart, and for edges that lean by `sigma_lean` (a slope),
+    /// each for itself.
     ///
-    /// *Errors*: a gravity that lies in the image plane's axis, a step that is not 10⁻⁶ to 0.1 s, a lean that is not above zero
-    /// and at most 0.1.
+    /// *Errors*: a gravity that lies in the image plane's axis, a step that is not 10⁻⁶ to 0.1 s, a lean that is not
+    /// above zero and at most 0.1.
     pub fn new(gravity: [S; 3], step_s: S, sigma_lean: S) -> Result<Self, ParameterError> {
         let length = dot(gravity, gravity).sqrt();
         let down = scale(gravity, S::ONE / length);
@@ -144,8 +145,8 @@ impl<S: Scalar, const EDGES: usize> ImuCalibration<S, EDGES> {
         })
     }
 
-    /// A line of the edge with this name, with the motion that its frame has with the clock a step early, as it is, and a step late: offsets less
-    /// a step, as they are, and plus a step.
+    /// A line of the edge with this name, with the motion that its frame has with the clock a step early, as it is, and
+    /// a step late: offsets less a step, as they are, and plus a step.
     ///
     /// Of the setup's uncertainty, the noise of the rotation rate and the roughness of the edges count.
     ///

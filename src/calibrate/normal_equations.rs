@@ -66,8 +66,9 @@ impl<S: Scalar> NormalEquations<S> {
         self.squares = self.squares + y * y;
     }
 
-    /// Takes out an unknown that a group of equations shares, of which nothing but a sigma is known: sums of their weights, of
-    /// weight times x and of weight times y. The variances of its equations are those of the group times a factor.
+    /// Takes out an unknown that a group of equations shares, of which nothing but a sigma is known: sums of their
+    /// weights, of weight times x and of weight times y. The variances of its equations are those of the group times a
+    /// factor.
     pub(super) fn take_out(&mut self, group: &Group<S>, factor: S, sigma: S) {
         let per = S::ONE / factor;
         let group = Group { weight: group.weight * per, x: scale(group.x, per), y: group.y * per };

@@ -17,15 +17,16 @@ pub struct Pass<S> {
 }
 
 impl<S: Scalar> Pass<S> {
-    /// From the slope (px per row), the speed of the edge along the rows (m/s, positive to the right: that of a camera that moves to
-    /// the left) and its depth in metres. Sigma: the edge leans by 0.1°, speed and depth are exact.
+    /// From the slope (px per row), the speed of the edge along the rows (m/s, positive to the right: that of a camera
+    /// that moves to the left) and its depth in metres. Sigma: the edge leans by 0.1°, speed and depth are exact.
     ///
     /// *Errors*: a number that is not finite; a depth or a speed of zero, a depth below; any beyond 10⁴.
     pub fn new(slope: S, speed_m_s: S, depth_m: S) -> Result<Self, ParameterError> {
         Self::of(slope, Shear::parallel(S::ONE, S::ZERO), speed_m_s, depth_m)
     }
 
-    /// The same where the edge moves at an angle ω to the image plane, as [`Shear::oblique`] has it, and shows at a bearing.
+    /// The same where the edge moves at an angle ω to the image plane, as [`Shear::oblique`] has it, and shows at a
+    /// bearing.
     ///
     /// *Errors*: as [`Pass::new`]; a bearing beyond ±100, a heading beyond ±2π; a motion without slope, along the ray.
     pub fn oblique(slope: S, speed_m_s: S, depth_m: S, bearing: S, heading_rad: S) -> Result<Self, ParameterError> {
@@ -61,8 +62,8 @@ impl<S: Scalar> Pass<S> {
         Ok(Self { slope, per_scale, sigma_slope, sigma_relative: S::ZERO })
     }
 
-    /// The same in a camera mode with its own readout time of the frame, in seconds: the scale is then κ = f/n instead of
-    /// κ times the readout.
+    /// The same in a camera mode with its own readout time of the frame, in seconds: the scale is then κ = f/n instead
+    /// of κ times the readout.
     ///
     /// *Errors*: a time that is not above zero and at most 60 s.
     pub fn with_frame_readout_s(self, frame_readout_s: S) -> Result<Self, ParameterError> {
@@ -72,8 +73,8 @@ impl<S: Scalar> Pass<S> {
         Ok(Self { per_scale: self.per_scale * frame_readout_s, ..self })
     }
 
-    /// The same with what it is known to, one standard deviation each: the slope in pixels per row (the lean of the edge and
-    /// the reading), and speed over depth, relative.
+    /// The same with what it is known to, one standard deviation each: the slope in pixels per row (the lean of the
+    /// edge and the reading), and speed over depth, relative.
     ///
     /// *Errors*: a sigma of the slope that is not above zero and at most 1; a relative one outside 0 to 1.
     pub fn with_sigmas(self, sigma_slope: S, sigma_relative: S) -> Result<Self, ParameterError> {

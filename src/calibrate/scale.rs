@@ -28,8 +28,8 @@ pub struct Scale<S, const N: usize> {
     pub sigma_tilt: S,
     /// Correlation of the two.
     pub correlation: S,
-    /// Root mean square of the deviations in units of what was stated; where it is larger than chance allows, the sigmas
-    /// have been enlarged.
+    /// Root mean square of the deviations in units of what was stated; where it is larger than chance allows, the
+    /// sigmas have been enlarged.
     pub misfit: S,
     /// Which passes are outliers, in their order.
     pub outliers: Vec<bool, N>,
@@ -129,8 +129,8 @@ const MOST_RELATIVE_SIGMA: (i32, i32) = (1, 2);
 
 /// The scale from at most `N` passes.
 ///
-/// `sigma_tilt` says what is known of a tilt that all passes share, such as the roll of the camera, one standard deviation as a slope:
-/// `None` fits it freely, zero takes it to be none.
+/// `sigma_tilt` says what is known of a tilt that all passes share, such as the roll of the camera, one standard
+/// deviation as a slope: `None` fits it freely, zero takes it to be none.
 ///
 /// *Errors*: [`ScaleRefusal`] says why there is no scale.
 ///

@@ -53,7 +53,8 @@ impl<S: Scalar, const ROWS: usize> Spectrum<S, ROWS> {
         self.pairs = self.pairs.saturating_add(1);
     }
 
-    /// The fundamental of the strongest family of harmonics; that of bands too wide to tell only where there is none else.
+    /// The fundamental of the strongest family of harmonics; that of bands too wide to tell only where there is none
+    /// else.
     pub(super) fn peak(&self) -> Option<Peak<S>> {
         let floor = self.white_floor();
         let least = (LEAST_PERIODS * BINS_PER_PERIOD) as usize;
@@ -69,8 +70,8 @@ impl<S: Scalar, const ROWS: usize> Spectrum<S, ROWS> {
         self.floor(peak.bin, self.white_floor())
     }
 
-    /// Amplitude at the harmonic `h` of a frequency in periods in a frame, relative to that at the frequency itself, and the
-    /// distance of the two in periods in a frame.
+    /// Amplitude at the harmonic `h` of a frequency in periods in a frame, relative to that at the frequency itself,
+    /// and the distance of the two in periods in a frame.
     pub(super) fn harmonic(&self, peak: &Peak<S>, h: i32) -> (S, S) {
         let bin = self.harmonic_bin(peak.bin, h);
         let distance = S::ratio(bin.abs_diff(peak.bin) as i32, BINS_PER_PERIOD);
@@ -166,8 +167,8 @@ impl<S: Scalar, const ROWS: usize> Spectrum<S, ROWS> {
         peaks
     }
 
-    /// The candidate whose harmonics have most of the power; among equals, since folded harmonics may fall onto each other, the
-    /// one with more power of its own. That must stand out of the floor.
+    /// The candidate whose harmonics have most of the power; among equals, since folded harmonics may fall onto each
+    /// other, the one with more power of its own. That must stand out of the floor.
     fn fundamental(&self, from: usize, floor: S) -> Option<usize> {
         let candidates = self.candidates(from);
         let share = S::ratio(LEAST_SHARE.0, LEAST_SHARE.1);

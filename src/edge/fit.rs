@@ -65,10 +65,12 @@ impl EdgeModel {
         column_q8 - clear_q8 >= left_q8.max(0) && column_q8 + clear_q8 <= right_q8.min((columns - 1) << 8)
     }
 
-    /// What the row's own levels, those of its plateaus, are off the mean ones, and the contrast, if such an edge is of the usual kind.
+    /// What the row's own levels, those of its plateaus, are off the mean ones, and the contrast, if such an edge is of
+    /// the usual kind.
     ///
-    /// A window is compared with its own levels. Means over rows are less noisy, but what they are off shifts all these rows alike:
-    /// for a line it comes to the same, and each row for itself knows neither lag nor drift, and no bad start.
+    /// A window is compared with its own levels. Means over rows are less noisy, but what they are off shifts all these
+    /// rows alike: for a line it comes to the same, and each row for itself knows neither lag nor drift, and no bad
+    /// start.
     #[inline(always)]
     fn against_means(&self, kind: usize, own_q8: [i32; 2]) -> Option<([i32; 2], i32)> {
         let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(kind), own_q8);
@@ -78,9 +80,9 @@ impl EdgeModel {
         Some((off_q8, contrast_q8))
     }
 
-    /// Beside texture a plateau hardly tells the level at the edge: the edge's own pixels do. With one of the levels from its
-    /// plateau, an error of the width would shift the edge. With none from it at all, the column would be another one in rows and
-    /// frames that are found to be beside texture than in those that are not.
+    /// Beside texture a plateau hardly tells the level at the edge: the edge's own pixels do. With one of the levels
+    /// from its plateau, an error of the width would shift the edge. With none from it at all, the column would be
+    /// another one in rows and frames that are found to be beside texture than in those that are not.
     fn with_free_levels<'t, P: Pixels>(&self, window: &Window<'_, P>, norms: &'t Norms) -> Option<Step<'t>> {
         let [left_q8, right_q8] = self.levels_q8(window.kind());
         let own_q8 = window.levels_q8()?;
@@ -97,8 +99,8 @@ impl EdgeModel {
         Some(Step { template, norms, moments, contrast_q8, free_slope_slope, centre_q8, off_q8 })
     }
 
-    /// What to add to a mean level for this row, in 1/256 grey level: nothing, or what the row itself shows where that is
-    /// another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
+    /// What to add to a mean level for this row, in 1/256 grey level: nothing, or what the row itself shows where that
+    /// is another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
     fn departure(&self, off_q8: i32) -> i32 {
         // Three sigma of a mean over four pixels.
         let most_q8 = u32::from(self.noise_q8) * 3 / 2;
@@ -106,8 +108,8 @@ impl EdgeModel {
     }
 }
 
-/// The contrast of a row, the usual one and what is added to it, if such an edge is of the usual kind: not so much weaker that it
-/// would only add noise, and at most twice as strong.
+/// The contrast of a row, the usual one and what is added to it, if such an edge is of the usual kind: not so much
+/// weaker that it would only add noise, and at most twice as strong.
 fn alike(usual_q8: i32, more_q8: i32) -> Option<i32> {
     let contrast_q8 = usual_q8 + more_q8;
     let (size_q8, usual_q8) = if usual_q8 < 0 { (-contrast_q8, -usual_q8) } else { (contrast_q8, usual_q8) };

@@ -67,8 +67,8 @@ impl LevelMoments {
         self.shared += left * right;
     }
 
-    /// Leaves it to the edge's own pixels to tell the levels, by orthogonalisation; those to expect, the plateaus', count as
-    /// [`TEXTURED_PLATEAU`] pixels each. `None` where too little of the edge is in view.
+    /// Leaves it to the edge's own pixels to tell the levels, by orthogonalisation; those to expect, the plateaus',
+    /// count as [`TEXTURED_PLATEAU`] pixels each. `None` where too little of the edge is in view.
     pub(super) fn free(&self, moments: &Moments, norms: &Norms) -> Option<FreeLevels> {
         let left = self.left.with_plateau();
         let common_q12 = nearest((self.shared >> 8) << 12, left.own >> 8)?;

@@ -16,7 +16,8 @@ use crate::format::Pixels;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct EdgeModel {
-    /// Brightness on the left and on the right, in 1/65536 grey level; those of a mosaic's odd rows apart. Zero: not seen yet.
+    /// Brightness on the left and on the right, in 1/65536 grey level; those of a mosaic's odd rows apart. Zero: not
+    /// seen yet.
     levels_q16: [[u32; 2]; 2],
     /// Variance of a pixel's noise, in 1/65536 square grey level.
     pub(super) noise_q16: u32,
@@ -100,7 +101,8 @@ impl EdgeModel {
         if self.contrast_q8(kind) < 0 { Polarity::Falling } else { Polarity::Rising }
     }
 
-    /// Looks at the first row of the other kind, so that its levels are known. `false` where the edge is none in such rows.
+    /// Looks at the first row of the other kind, so that its levels are known. `false` where the edge is none in such
+    /// rows.
     pub(super) fn knows<P: Pixels>(&mut self, row: PixelRow<'_, P>, column_q16: i32, bounds_q8: (i32, i32)) -> bool {
         let (kind, other) = (row.kind(), 1 - row.kind());
         if self.levels_q8(kind) != [0; 2] {
@@ -134,8 +136,8 @@ impl EdgeModel {
         self.levels_q16.get(kind).map_or([0; 2], |levels_q16| levels_q16.map(|level_q16| (level_q16 >> 8) as i32))
     }
 
-    /// Whether one of the levels is so near to the end of the scale that the sensor may have cut its noise, and a part of the
-    /// flank, off: the width is then not that of the blur.
+    /// Whether one of the levels is so near to the end of the scale that the sensor may have cut its noise, and a part
+    /// of the flank, off: the width is then not that of the blur.
     pub(super) fn is_clipped(&self, kind: usize) -> bool {
         let two_sigma_q8 = 2 * i32::from(self.white_q8);
         self.levels_q8(kind).into_iter().any(|level_q8| level_q8 + two_sigma_q8 >= 255 << 8)

@@ -3,8 +3,8 @@
 use super::norms::Norms;
 use super::weight::Weight;
 
-/// Inner products of the residual with the slope of the expected step and with its change by the width. 32 bits hold the sums of
-/// the longest flank, 47 pixels, whatever its pixels.
+/// Inner products of the residual with the slope of the expected step and with its change by the width. 32 bits hold
+/// the sums of the longest flank, 47 pixels, whatever its pixels.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Moments {
     /// Of residuals in 1/64 grey level, each at most 64 levels.
@@ -63,7 +63,8 @@ impl Moments {
         self.residual_widening += residual_q6 * i32::from(weight.widening);
     }
 
-    /// What the step is off, in units of its slope: the residual that one unit of slope has, in 1/64 grey level, times 65536.
+    /// What the step is off, in units of its slope: the residual that one unit of slope has, in 1/64 grey level, times
+    /// 65536.
     pub(super) fn shift_q16(&self, norms: &Norms) -> i32 {
         scaled(self.residual_slope, norms.per_slope_q32, 16)
     }
@@ -73,8 +74,8 @@ impl Moments {
         scaled(self.residual_widening, norms.per_widening_q32, 23)
     }
 
-    /// Residual variance of a pixel, in 1/65536 square grey level, less what shift and width explain; where the levels are free, too
-    /// little would be left without the width's part.
+    /// Residual variance of a pixel, in 1/65536 square grey level, less what shift and width explain; where the levels
+    /// are free, too little would be left without the width's part.
     #[inline(always)]
     pub(super) fn residual_q16(&self, norms: &Norms, has_free_levels: bool) -> u32 {
         // Either part fits: it is at most the sum of squares of 47 residuals of 255 levels.

@@ -1,7 +1,8 @@
 //! What is usual in a row: [`Across`] it, as neighbouring pixels differ, and [`Down`] from row to row.
 //!
-//! A fence over the whole row is what is usual across. But upright edges hardly change down the rows, where noise and texture do
-//! as much as across: each is taken for what both agree on. All are medians, which the edges that do move hardly disturb.
+//! A fence over the whole row is what is usual across. But upright edges hardly change down the rows, where noise and
+//! texture do as much as across: each is taken for what both agree on. All are medians, which the edges that do move
+//! hardly disturb.
 
 use super::pixel_row::grey;
 use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, TEXTURE_LAG};
@@ -65,7 +66,8 @@ impl Across {
 pub(super) struct Down {
     /// Median size of the third difference of pixels; zero while there are too few rows.
     third_q8: u32,
-    /// Likewise of what a sum of four pixels changes by over [`TEXTURE_LAG`] rows, less what one motion of the row explains.
+    /// Likewise of what a sum of four pixels changes by over [`TEXTURE_LAG`] rows, less what one motion of the row
+    /// explains.
     change_q8: u32,
     rows: u16,
     /// The last three pixels of each column, the last one first.
@@ -129,8 +131,8 @@ impl Down {
         }
     }
 
-    /// An edge that moves changes a sum by as much as one that is so far to the side: what one motion of the whole row explains is
-    /// no texture.
+    /// An edge that moves changes a sum by as much as one that is so far to the side: what one motion of the whole row
+    /// explains is no texture.
     fn compare_sums(&mut self, pixels: &impl Pixels, is_last: bool) {
         let mut changes = [(0, 0); DOWN_COLUMNS];
         for ((column, change), before) in columns(pixels.columns()).zip(&mut changes).zip(&mut self.sums) {
@@ -152,14 +154,16 @@ impl Down {
     }
 }
 
-/// Where rows are compared: at irregular distances, so that no fence has a post at each of them; some pixels off the border.
+/// Where rows are compared: at irregular distances, so that no fence has a post at each of them; some pixels off the
+/// border.
 fn columns(length: usize) -> impl Iterator<Item = usize> {
     const OFF: [usize; DOWN_COLUMNS] = [0, 5, 2, 7, 3, 6, 1, 4];
     let spacing = length.saturating_sub(16) / DOWN_COLUMNS;
     OFF.into_iter().enumerate().map(move |(index, off)| 1 + index * spacing + off)
 }
 
-/// Moves a median a quarter of the way to that of some values, from twice the first one: so few tell it to a factor of two.
+/// Moves a median a quarter of the way to that of some values, from twice the first one: so few tell it to a factor of
+/// two.
 fn settle(median_q8: &mut u32, values: &[u32; DOWN_COLUMNS]) {
     let own_q8 = usual_size(|| values.iter().copied());
     *median_q8 = if *median_q8 == UNKNOWN { 2 * own_q8 } else { (3 * *median_q8 + own_q8) / 4 }.max(1);

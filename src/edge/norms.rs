@@ -11,8 +11,8 @@ pub(super) struct Squares {
     widening_widening: u32,
 }
 
-/// What turns inner products over a flank into estimates; made when the library is compiled, unless a neighbour or the border cuts
-/// off a part of the window.
+/// What turns inner products over a flank into estimates; made when the library is compiled, unless a neighbour or the
+/// border cuts off a part of the window.
 #[derive(Clone, Copy)]
 pub(super) struct Norms {
     /// Of the slope with itself.
@@ -72,7 +72,8 @@ impl Squares {
         if self.pixels < 3 || self.slope_slope < LEAST_SLOPE_SLOPE || left == 0 || right == 0 {
             return Norms::NONE;
         }
-        // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width explain a third.
+        // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width
+        // explain a third.
         let freedom_q4 = 16 * (self.pixels - 2) + ratio(4 * self.pixels, left) + ratio(4 * self.pixels, right);
         let of_levels_q12 = ratio(1 << 12, left) + ratio(1 << 12, right);
         Norms {
@@ -90,9 +91,9 @@ impl Squares {
 /// Least product of the slope with itself that shows an edge.
 const LEAST_SLOPE_SLOPE: u32 = 1 << 10;
 
-/// Sigma of the shift in units of b per contrast for a unit of noise, from the noise on the flank and on the plateaus, whose
-/// levels shift the edge when they are wrong: with S the slope and n pixels on a plateau, the root of
-/// 1/ΣS² + (ΣS/ΣS²)²/4 (1/n + 1/n').
+/// Sigma of the shift in units of b per contrast for a unit of noise, from the noise on the flank and on the plateaus,
+/// whose levels shift the edge when they are wrong: with S the slope and n pixels on a plateau, the root of 1/ΣS² +
+/// (ΣS/ΣS²)²/4 (1/n + 1/n').
 const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
     let of_flank_q15 = ratio(1 << 31, slope_slope);
     let half_q8 = ratio(slope << 15, slope_slope);

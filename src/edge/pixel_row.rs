@@ -72,8 +72,8 @@ impl<P: Pixels> PixelRow<'_, P> {
         levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum()
     }
 
-    /// Grey levels of the four pixels on the right of a boundary less those on its left: boundary k lies between pixels k − 1
-    /// and k. `None` at the border.
+    /// Grey levels of the four pixels on the right of a boundary less those on its left: boundary k lies between pixels
+    /// k − 1 and k. `None` at the border.
     pub(crate) fn step_at(&self, boundary: i32) -> Option<i16> {
         const SIDE: usize = 4;
         let from = usize::try_from(boundary).ok()?.checked_sub(SIDE)?;
@@ -110,8 +110,8 @@ impl<P: Pixels> PixelRow<'_, P> {
         mean(self.sum_q8(stretch), stretch.pixels() as u32)
     }
 
-    /// How much brighter the even columns of a mosaic are than the mean of its two colours, in 1/256 of a level; zero for
-    /// one colour.
+    /// How much brighter the even columns of a mosaic are than the mean of its two colours, in 1/256 of a level; zero
+    /// for one colour.
     pub(super) fn colour_q8(&self, stretch: Stretch) -> i32 {
         let means = self.pixels.mosaic_row().and_then(|_| self.colour_means_q8(stretch));
         means.map_or(0, |[even_q8, odd_q8]| (even_q8 - odd_q8) / 2)
@@ -160,8 +160,8 @@ fn mean(sum: u32, count: u32) -> Option<i32> {
     i32::try_from((sum + count / 2).checked_div(count)?).ok()
 }
 
-/// The whole grey levels of a stretch of a row: those bytes themselves where it is grey, else in the buffer. What lies beyond
-/// the row is left out; the buffer is large enough.
+/// The whole grey levels of a stretch of a row: those bytes themselves where it is grey, else in the buffer. What lies
+/// beyond the row is left out; the buffer is large enough.
 // Inlined, so that a grey row has no buffer to clear.
 #[inline(always)]
 pub(super) fn grey<'b, P: Pixels, const N: usize>(

@@ -27,7 +27,8 @@ pub enum Polarity {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct EdgePoint {
-    /// Middle of the row's exposure in nanoseconds since frame start; see [`Readout::row_time_ns`](crate::Readout::row_time_ns).
+    /// Middle of the row's exposure in nanoseconds since frame start; see
+    /// [`Readout::row_time_ns`](crate::Readout::row_time_ns).
     pub time_ns: i64,
     /// Column in 1/65536 px; pixel centres are at whole numbers.
     pub column_q16: i32,

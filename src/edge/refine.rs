@@ -1,7 +1,8 @@
-//! The maximum-likelihood column of an edge: where its model fits the pixels of a row best. Its noise is the Cramér–Rao bound.
+//! The maximum-likelihood column of an edge: where its model fits the pixels of a row best. Its noise is the Cramér–Rao
+//! bound.
 //!
-//! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its rows
-//! so far tell both levels and the blur, the best fit is a step or a few from the prediction.
+//! A row on its own locates an edge with the noise of all pixels around it. Where a line predicts the column, and its
+//! rows so far tell both levels and the blur, the best fit is a step or a few from the prediction.
 
 use super::model::{EdgeModel, Fit};
 use super::pixel_row::PixelRow;
@@ -21,8 +22,8 @@ pub(crate) struct LocatedPoint {
 }
 
 impl EdgeModel {
-    /// The model of an edge that a row shows, with levels and blur found each from the other: a long blur's width is only guessed at
-    /// first, and noise may have broken it into pieces.
+    /// The model of an edge that a row shows, with levels and blur found each from the other: a long blur's width is
+    /// only guessed at first, and noise may have broken it into pieces.
     pub(crate) fn settled<P: Pixels>(
         row: PixelRow<'_, P>,
         edge: &EdgePoint,
@@ -69,8 +70,9 @@ impl EdgeModel {
         Some(EdgePoint { column_q16: found.column_q16, sigma_q16, width_q8: found.width_q8, ..*edge })
     }
 
-    /// The edge near the expected column, from which the model learns; `None` where the row shows something else, or where the edge
-    /// is farther off than the gate, or than its noise and the bias that the expected column itself may have.
+    /// The edge near the expected column, from which the model learns; `None` where the row shows something else, or
+    /// where the edge is farther off than the gate, or than its noise and the bias that the expected column itself may
+    /// have.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         row: PixelRow<'_, P>,
@@ -105,8 +107,8 @@ impl EdgeModel {
         self.noise_q16.saturating_mul(MOST_RESIDUAL).saturating_add(1 << 18)
     }
 
-    /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it once went
-    /// astray: another step where the one before was large.
+    /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it
+    /// once went astray: another step where the one before was large.
     fn approach<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
         let blur_q16 = i32::from(self.blur_q12) << 4;
         let mut fit = self.fit(row, expected_q16, bounds_q8)?;
@@ -203,8 +205,8 @@ mod tests {
         }
     }
 
-    /// The width is a measurement of its own, whatever the lens and the motion: a line's mean over n rows has √n times less
-    /// noise than each row's.
+    /// The width is a measurement of its own, whatever the lens and the motion: a line's mean over n rows has √n times
+    /// less noise than each row's.
     #[test]
     fn widths_are_unbiased_and_as_noisy_as_stated() {
         const LINES: u8 = 12;

@@ -1,9 +1,9 @@
 //! [`Scanner`]: one row of pixels in, its edge points out, in integers.
 //!
-//! A row is scanned twice. The coarse scan sums blocks of 16 pixels and keeps those whose sum differs from its neighbour's
-//! by more than noise explains: plain sums, at the speed of memory. The fine scan, in those blocks alone, slides the
-//! difference of two windows of four pixels over the row: each run of one sign above the noise is a point of an edge, and
-//! the centroid of the run is its column.
+//! A row is scanned twice. The coarse scan sums blocks of 16 pixels and keeps those whose sum differs from its
+//! neighbour's by more than noise explains: plain sums, at the speed of memory. The fine scan, in those blocks alone,
+//! slides the difference of two windows of four pixels over the row: each run of one sign above the noise is a point of
+//! an edge, and the centroid of the run is its column.
 
 use core::ops::Range;
 
@@ -48,17 +48,17 @@ impl ScannedPoint {
     }
 }
 
-/// Finds the edge points of rows of pixels. All that it remembers is the noise and the texture of the rows so far, and a few
-/// pixels of them: 64 bytes.
+/// Finds the edge points of rows of pixels. All that it remembers is the noise and the texture of the rows so far, and
+/// a few pixels of them: 64 bytes.
 ///
-/// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where the
-/// means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma of what
-/// is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what is usual
-/// across does not, upright edges are usual, as in a fence.
+/// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where
+/// the means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma
+/// of what is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what
+/// is usual across does not, upright edges are usual, as in a fence.
 ///
-/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels, nor a fence over less
-/// than half of the row whose period goes into 16 pixels. *Cost*: one
-/// addition per pixel, and about ten operations per pixel near an edge.
+/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels, nor a
+/// fence over less than half of the row whose period goes into 16 pixels. *Cost*: one addition per pixel, and about ten
+/// operations per pixel near an edge.
 ///
 /// ```
 /// use shutter_range::Scanner;
@@ -103,18 +103,20 @@ impl Scanner {
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
-    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame before.
+    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame
+    /// before.
     pub(crate) const fn begin_frame(&mut self) {
         self.down.begin_frame();
     }
 
-    /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to right.
+    /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
+    /// right.
     pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
         self.scan_beside(pixels, &[], found);
     }
 
-    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look. Where
-    /// something else is near, edges in such a stretch can still be handed over.
+    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look.
+    /// Where something else is near, edges in such a stretch can still be handed over.
     pub(crate) fn scan_beside(
         &mut self,
         pixels: impl Pixels,
@@ -130,8 +132,8 @@ impl Scanner {
             // The sums of a fence whose period goes into a block do not differ.
             look(0, pixels.columns());
         } else {
-            // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the sliding
-            // difference.
+            // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the
+            // sliding difference.
             coarse(&pixels, 2 * least, explained, look);
         }
     }
@@ -296,9 +298,9 @@ impl Run {
     }
 }
 
-/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise. A run
-/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier look.
-/// Returns the last one of this look.
+/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the
+/// noise. A run that only partly lies there is followed to both its ends, but not before `seen`, the last position of
+/// an earlier look. Returns the last one of this look.
 fn fine(
     pixels: &impl Pixels,
     (from, to): (usize, usize),

@@ -1,13 +1,13 @@
 //! [`SpreadFunction`]: a blurred step, in integers.
 //!
-//! The lens blurs an edge as a Gaussian does, the pixel and motion as boxes do. The wider box is taken as it is, the other
-//! one as a part of the Gaussian: exact without motion and for a long one. All of it is evaluated when the library is
-//! compiled: see [`template`](super::template).
+//! The lens blurs an edge as a Gaussian does, the pixel and motion as boxes do. The wider box is taken as it is, the
+//! other one as a part of the Gaussian: exact without motion and for a long one. All of it is evaluated when the
+//! library is compiled: see [`template`](super::template).
 
 use super::tuning::{LENS_VARIANCE_Q16, MOST_BLUR_Q8};
 
-/// A step of height one after a box of width b and a Gaussian of sigma s. One number, the standard deviation of the blur, decides
-/// about both: up to what a usual lens explains s grows, beyond it the box.
+/// A step of height one after a box of width b and a Gaussian of sigma s. One number, the standard deviation of the
+/// blur, decides about both: up to what a usual lens explains s grows, beyond it the box.
 #[derive(Clone, Copy)]
 pub(crate) struct SpreadFunction {
     pub(crate) box_q8: i32,
@@ -73,8 +73,8 @@ impl SpreadFunction {
         self.box_q8 / 2 + self.lens_q8 * 5 / 2
     }
 
-    /// At `off_q8` from the middle of the step. With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b, and of J
-    /// the part max(z, 0) is taken apart.
+    /// At `off_q8` from the middle of the step. With J the integral of Φ it is s (J((x + b/2)/s) − J((x − b/2)/s))/b,
+    /// and of J the part max(z, 0) is taken apart.
     pub(crate) const fn at(&self, off_q8: i32) -> Place {
         let ahead_q8 = off_q8 + self.box_q8 / 2;
         let (ahead, behind) = (self.normal(ahead_q8), self.normal(ahead_q8 - self.box_q8));

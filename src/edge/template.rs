@@ -1,8 +1,8 @@
 //! [`Template`]: what the pixels of an edge's flank should show, made when the library is compiled.
 //!
-//! A spread function for each class of blur, sampled at some phases of the pixel. A row is compared with the nearest phase of its
-//! line's class: what it is off is told by the products with the slope and with the change by the width, so that neither
-//! phases nor classes need to be fine.
+//! A spread function for each class of blur, sampled at some phases of the pixel. A row is compared with the nearest
+//! phase of its line's class: what it is off is told by the products with the slope and with the change by the width,
+//! so that neither phases nor classes need to be fine.
 
 use super::norms::{Norms, Squares, saturated};
 use super::spread_function::{Place, SpreadFunction};
@@ -66,8 +66,8 @@ impl Template {
         }
     }
 
-    /// The width of an edge: the template's, and what a row says of it where the width's best change is so many units, in 1/32768
-    /// grey level, and b/A this, in 1/2¹⁸ px and grey level.
+    /// The width of an edge: the template's, and what a row says of it where the width's best change is so many units,
+    /// in 1/32768 grey level, and b/A this, in 1/2¹⁸ px and grey level.
     pub(super) fn width_q12(&self, widening_q15: i32, per_level_q18: i32) -> i32 {
         // It fits: at most 2¹⁹ times 2²¹.
         let per_level_q10 = ((i64::from(per_level_q18) * i64::from(self.per_widening_q10)) >> 18) as i32;
@@ -80,7 +80,8 @@ impl Template {
         self.pixels as i32 / 2 + PLATEAU
     }
 
-    /// An edge so far from any other and from the border stands alone: its window is whole, and no other blur reaches into it.
+    /// An edge so far from any other and from the border stands alone: its window is whole, and no other blur reaches
+    /// into it.
     pub(super) const fn far_q8(&self) -> i32 {
         self.far_q8 as i32
     }
@@ -91,8 +92,8 @@ impl Template {
     }
 }
 
-/// The class of a blur in 1/4096 px, on from the present one: it changes where the blur is nearer to another one's, so that a
-/// blur between two does not change it from row to row.
+/// The class of a blur in 1/4096 px, on from the present one: it changes where the blur is nearer to another one's, so
+/// that a blur between two does not change it from row to row.
 pub(super) fn class_of(blur_q12: u16, present: u8) -> u8 {
     let width_q12 = |class: u8| u32::from(Template::of(class).width_q8) << 4;
     let blur_q12 = u32::from(blur_q12);

@@ -6,25 +6,28 @@ pub(super) const LEAST_NOISE_Q8: u32 = 74;
 /// Columns of a row in which it is compared with those before (`scanning::fences_are_edges`).
 pub(super) const DOWN_COLUMNS: usize = 8;
 
-/// Once in so many rows, since each comparison costs some two hundred instructions a column (`scanning::fences_are_edges`).
+/// Once in so many rows, since each comparison costs some two hundred instructions a column
+/// (`scanning::fences_are_edges`).
 pub(super) const DOWN_ROWS: u16 = 16;
 
 /// Texture is what changes over so many rows: as far down as the windows of the scanner are apart across
 /// (`clutter::texture_is_no_bar`).
 pub(super) const TEXTURE_LAG: u16 = 4;
 
-/// What is usual across a row is that of upright edges where it is so many times what is usual down the rows: the two are good
-/// to a factor of 1.7 each (`scanning::fences_are_edges`, `scanning::noise_is_no_edge`).
+/// What is usual across a row is that of upright edges where it is so many times what is usual down the rows: the two
+/// are good to a factor of 1.7 each (`scanning::fences_are_edges`, `scanning::noise_is_no_edge`).
 pub(super) const UPRIGHT_RATIO: u32 = 3;
 
-/// Least difference of two sums of four pixels that counts: six grey levels of contrast (`frames::faint_and_noisy_bars_are_found`).
+/// Least difference of two sums of four pixels that counts: six grey levels of contrast
+/// (`frames::faint_and_noisy_bars_are_found`).
 pub(super) const LEAST_DIFFERENCE: u32 = 24;
 
-/// A difference counts if it exceeds so many sigma of what is usual: once in 16 000 by chance (`scanning::noise_is_no_edge`).
+/// A difference counts if it exceeds so many sigma of what is usual: once in 16 000 by chance
+/// (`scanning::noise_is_no_edge`).
 pub(super) const THRESHOLD_SIGMAS: u32 = 4;
 
-/// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5 % of
-/// the column's noise (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+/// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5
+/// % of the column's noise (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const CLASS_RATIO: (u16, u16) = (23, 20);
 
 /// Blur of a sharp lens, half a pixel, and of the pixel itself, in 1/256 px (`frames::sigma_is_honest`).
@@ -34,24 +37,25 @@ pub(super) const LEAST_BLUR_Q8: u16 = 148;
 /// (`frames::sigma_is_honest`).
 pub(super) const USUAL_BLUR_Q8: u16 = 195;
 
-/// Longest blur that is told from a slope of the brightness, in 1/256 px (`frames::bars_are_found_through_long_motion_blur`).
+/// Longest blur that is told from a slope of the brightness, in 1/256 px
+/// (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const MOST_BLUR_Q8: u16 = 12 << 8;
 
 /// Variance of a usual lens's blur of 0.7 px, in 1/65536 square pixel; more is motion
 /// (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LENS_VARIANCE_Q16: i32 = 32113;
 
-/// Beyond this blur, in 1/256 px, the scanner tells the width only roughly, and a row on its own is fitted in several steps
-/// (`frames::bars_are_found_through_long_motion_blur`).
+/// Beyond this blur, in 1/256 px, the scanner tells the width only roughly, and a row on its own is fitted in several
+/// steps (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const LONG_BLUR_Q8: u16 = 4 << 8;
 
-/// Pixels of plateau on either side that tell its level, beside as many as the flank's half has: the longer the blur, the more
-/// a wrong level shifts the edge (`frames::sigma_is_honest`).
+/// Pixels of plateau on either side that tell its level, beside as many as the flank's half has: the longer the blur,
+/// the more a wrong level shifts the edge (`frames::sigma_is_honest`).
 pub(crate) const PLATEAU: i32 = 4;
 
-/// Beside texture a plateau counts as so many pixels of the flank: with none, columns change where a row is found to be beside
-/// texture; with two, what crosses the plateau shifts the edge (`edges_beside_texture::their_columns_are_those_of_all_frames`,
-/// `clutter::crossing_bars_lead_no_line_astray`).
+/// Beside texture a plateau counts as so many pixels of the flank: with none, columns change where a row is found to be
+/// beside texture; with two, what crosses the plateau shifts the edge
+/// (`edges_beside_texture::their_columns_are_those_of_all_frames`, `clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const TEXTURED_PLATEAU: i32 = 1;
 
 /// Most steps in which levels and blur of an edge are found each from the other: long ones settle in four or five
@@ -69,14 +73,16 @@ pub(super) const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 /// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
 pub(super) const MOST_DRAWN_Q16: u32 = 5 << 14;
 
-/// An edge that a row shows on its own must be so far from a neighbour, in 1/65536 px: nearer ones hide each other's levels
-/// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
+/// An edge that a row shows on its own must be so far from a neighbour, in 1/65536 px: nearer ones hide each other's
+/// levels (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
 pub(super) const LEAST_APART_Q16: u32 = 5 << 16;
 
-/// That is decided only where the column's sigma is below this, in 1/65536 px (`frames::faint_and_noisy_bars_are_found`).
+/// That is decided only where the column's sigma is below this, in 1/65536 px
+/// (`frames::faint_and_noisy_bars_are_found`).
 pub(super) const SURE_SIGMA_Q16: u32 = 1 << 13;
 
-/// Rows with texture that make a line one beside texture, probably and surely (`clutter::crossing_bars_lead_no_line_astray`).
+/// Rows with texture that make a line one beside texture, probably and surely
+/// (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const FEW_TEXTURED_ROWS: u16 = 4;
 pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
 
@@ -85,16 +91,17 @@ pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
 pub(super) const LEVEL_ROWS_LOG2: u32 = 5;
 pub(super) const BLUR_ROWS_LOG2: u32 = 4;
 
-/// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part in so
-/// many, as a power of two (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
+/// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part
+/// in so many, as a power of two (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LEAST_NOISE_ROWS_LOG2: u32 = 2;
 pub(super) const NOISE_ROWS_LOG2: u32 = 4;
 
-/// Rows, as a power of two, between which the root of the noise changes by less than a tenth of itself: it is taken anew only
-/// then, and in each of the first ones (`frames::sigma_is_honest`).
+/// Rows, as a power of two, between which the root of the noise changes by less than a tenth of itself: it is taken
+/// anew only then, and in each of the first ones (`frames::sigma_is_honest`).
 pub(super) const RENEWAL_ROWS_LOG2: u32 = 4;
 
-/// Likewise for the class of the blur, which changes with it (`real_cameras::round_posts_lit_from_the_side` with 16 rows).
+/// Likewise for the class of the blur, which changes with it (`real_cameras::round_posts_lit_from_the_side` with 16
+/// rows).
 pub(super) const CLASS_ROWS_LOG2: u32 = 2;
 
 /// A row whose residual variance is so many times that of the rows before shows something else

@@ -5,7 +5,8 @@ use super::pixel_row::{PixelRow, Stretch};
 use super::template::{Phase, Sampled, Template};
 use crate::format::Pixels;
 
-/// What a [`Window`](super::window::Window) is where neither a neighbour nor the border cuts off a part, and the light is bytes.
+/// What a [`Window`](super::window::Window) is where neither a neighbour nor the border cuts off a part, and the light
+/// is bytes.
 pub(super) struct WholeWindow<'p> {
     pixels: &'p [u8],
     /// Pixels of a plateau.
@@ -54,8 +55,8 @@ impl<'p> WholeWindow<'p> {
     }
 }
 
-/// Sums of the first pixels of two stretches, as many as the second one has: the lower half is that of the left one. Either is below
-/// 2¹⁶.
+/// Sums of the first pixels of two stretches, as many as the second one has: the lower half is that of the left one.
+/// Either is below 2¹⁶.
 fn sums(left: &[u8], right: &[u8]) -> u32 {
     // Loops of the usual lengths are unrolled.
     match right.len() {
@@ -89,8 +90,8 @@ mod tests {
     use super::{PixelRow, Template, WholeWindow};
     use crate::setup::Response;
 
-    /// It sees what a window sees that may have parts cut off: the same moments, and levels to 1/256 of a grey level, one rounding, for
-    /// every blur and phase and any pixels, also the brightest.
+    /// It sees what a window sees that may have parts cut off: the same moments, and levels to 1/256 of a grey level,
+    /// one rounding, for every blur and phase and any pixels, also the brightest.
     #[test]
     fn it_is_a_window() {
         const COLUMNS: usize = 240;

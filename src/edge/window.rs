@@ -25,8 +25,8 @@ impl Neighbours {
         column_q16.abs_diff(self.left_q16) < distance_q16 || self.right_q16.abs_diff(column_q16) < distance_q16
     }
 
-    /// The nearest of the edges in its row that end an edge's plateaus. One of its own polarity does not: it may be part of the
-    /// same edge, since noise can break a long blur.
+    /// The nearest of the edges in its row that end an edge's plateaus. One of its own polarity does not: it may be
+    /// part of the same edge, since noise can break a long blur.
     pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e EdgePoint>, edge: &EdgePoint) -> Self {
         let mut around = Self::NONE;
         for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {

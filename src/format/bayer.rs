@@ -6,9 +6,9 @@ use super::pixels::{MosaicRow, Pixels};
 
 /// A Bayer mosaic, as the sensor has it: `P` says how its samples are stored.
 ///
-/// Nothing is interpolated. In each row two colours alternate; an edge has the same column in both, but levels of its own
-/// in each. Both are read from the row, beside the edge, and all pixels tell where it is. Which of the colours are red and
-/// blue, and where they begin, makes no difference.
+/// Nothing is interpolated. In each row two colours alternate; an edge has the same column in both, but levels of its
+/// own in each. Both are read from the row, beside the edge, and all pixels tell where it is. Which of the colours are
+/// red and blue, and where they begin, makes no difference.
 ///
 /// *Limits*: an edge is seen in those rows in which its two colours together get brighter or darker as they do in the
 /// first of its rows; beside a neighbour it needs two pixels of either level where grey needs one.

@@ -13,8 +13,8 @@
 //! | 10 to 16 bits in 16 | [`Wide`] | as grey, with less rounding |
 //! | a Bayer mosaic in any of these | [`Bayer`] around it | within 1.3 times grey |
 //!
-//! A buffer of words (`[u32]`, as DMA controllers often fill it) is one of bytes to `bytemuck::cast_slice`, without a copy.
-//! Grey levels of YUV and RGB come with a tone curve, mostly that of sRGB; raw ones are linear: say so with
+//! A buffer of words (`[u32]`, as DMA controllers often fill it) is one of bytes to `bytemuck::cast_slice`, without a
+//! copy. Grey levels of YUV and RGB come with a tone curve, mostly that of sRGB; raw ones are linear: say so with
 //! [`Setup::with_response`](crate::Setup::with_response).
 //!
 //! A format of one's own:

@@ -2,8 +2,8 @@
 
 use super::pixels::Pixels;
 
-/// RAW10 as MIPI CSI-2 packs it: the upper eight bits of four pixels, then a byte with their lower two, the first pixel's
-/// in its lowest bits.
+/// RAW10 as MIPI CSI-2 packs it: the upper eight bits of four pixels, then a byte with their lower two, the first
+/// pixel's in its lowest bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Raw10<'b>(&'b [u8]);
 

@@ -2,7 +2,8 @@
 
 use super::pixels::Pixels;
 
-/// 8-bit grey, a pixel every so many bytes: the luma of YUV 4:2:2, one plane of an interleaved picture, every other pixel.
+/// 8-bit grey, a pixel every so many bytes: the luma of YUV 4:2:2, one plane of an interleaved picture, every other
+/// pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Strided<'b> {
     /// From the first pixel on.
@@ -11,8 +12,8 @@ pub struct Strided<'b> {
 }
 
 impl<'b> Strided<'b> {
-    /// The pixels of `bytes` from `offset` on, `stride` bytes from one to the next. As many as there are; a stride of zero
-    /// counts as one.
+    /// The pixels of `bytes` from `offset` on, `stride` bytes from one to the next. As many as there are; a stride of
+    /// zero counts as one.
     #[must_use]
     pub fn new(bytes: &'b [u8], offset: usize, stride: usize) -> Self {
         Self { bytes: bytes.get(offset..).unwrap_or_default(), stride: stride.max(1) }

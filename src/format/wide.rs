@@ -3,8 +3,8 @@
 use super::pixels::Pixels;
 use super::rgb565::pair;
 
-/// Grey levels of `BITS` significant bits (8 to 16), each in the lower ones of two bytes, the lower byte first: what 10-
-/// and 12-bit parallel cameras leave in memory. Upper bits that are set count as white.
+/// Grey levels of `BITS` significant bits (8 to 16), each in the lower ones of two bytes, the lower byte first: what
+/// 10- and 12-bit parallel cameras leave in memory. Upper bits that are set count as white.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wide<'b, const BITS: u32>(&'b [u8]);
 

@@ -30,8 +30,8 @@ pub(super) enum Role {
 }
 
 impl Candidate {
-    /// Whether the other one is another edge. A line of the same polarity within the blur is a fragment of the same edge. Tentative
-    /// lines must not narrow the window of a confirmed one.
+    /// Whether the other one is another edge. A line of the same polarity within the blur is a fragment of the same
+    /// edge. Tentative lines must not narrow the window of a confirmed one.
     fn is_ended_by(&self, other: &Self) -> bool {
         let apart_q16 = other.prediction.column_q16.abs_diff(self.prediction.column_q16);
         other.role == Role::Confirmed && (other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16)

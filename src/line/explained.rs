@@ -53,8 +53,8 @@ impl<const LINES: usize> Explained<LINES> {
         }
     }
 
-    /// Adds the columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line would never be
-    /// seen.
+    /// Adds the columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line
+    /// would never be seen.
     // Into a list that is there, since each one that is returned is copied.
     pub(crate) fn add_columns(&self, row: u16, columns: &mut Vec<Range<u16>, LINES>) {
         if row.is_multiple_of(LOOK_BESIDE_ROWS) {

@@ -27,7 +27,8 @@ struct Gains {
     points: u32,
     /// Part of the gate of a new line, for each row since the last point, in 1/256.
     gate_q8: u32,
-    /// Part of the steepest slope that the slope may still be off, in 1/32768: everything after one point, ever less after.
+    /// Part of the steepest slope that the slope may still be off, in 1/32768: everything after one point, ever less
+    /// after.
     slope_off_q15: u32,
     /// Parts of what a point is off that column, slope and scatter follow, in 1/65536.
     column_q16: i32,
@@ -63,8 +64,8 @@ impl Gains {
     }
 }
 
-/// Root of 1 and the variance of a line through n points, `rows` ahead of them, in sixteenths: 4/n + 12 rows/n² + 12 rows²/n³ of
-/// a point's; more, since rows err alike.
+/// Root of 1 and the variance of a line through n points, `rows` ahead of them, in sixteenths: 4/n + 12 rows/n² + 12
+/// rows²/n³ of a point's; more, since rows err alike.
 const fn spread_q4(n: u32, rows: u32, alike: u32) -> u32 {
     // Farther ahead the widest gate holds anyway.
     let rows = if rows < 256 { rows } else { 256 };
@@ -88,8 +89,8 @@ impl Memory {
         Self(GAINS.get(points.min(most) as usize - 1).unwrap_or(first))
     }
 
-    /// How far off its prediction a point may lie so many rows on, beyond its own noise, in 1/65536 px: the better a line is known, the
-    /// less an edge may miss it; over a gap it may have bent.
+    /// How far off its prediction a point may lie so many rows on, beyond its own noise, in 1/65536 px: the better a
+    /// line is known, the less an edge may miss it; over a gap it may have bent.
     pub(super) fn gate_q16(self, rows: u16, limits: &Limits) -> u32 {
         let (gate_q16, slope_q16) = (limits.gate_q16.min(MAX_GATE_Q16), limits.max_slope_q16.min(MAX_GATE_Q16));
         // Both fit: the widest gate has 22 bits.
@@ -122,8 +123,8 @@ impl Filter {
         self.column_q16.saturating_add(self.slope_q16.saturating_mul(rows.into()))
     }
 
-    /// Four sigma of a point about its prediction so many rows on, in 1/65536 px: of the point itself, and of a line through the
-    /// remembered ones.
+    /// Four sigma of a point about its prediction so many rows on, in 1/65536 px: of the point itself, and of a line
+    /// through the remembered ones.
     pub(super) fn scatter_gate_q16(&self, memory: Memory, rows: u16, in_texture: bool) -> u32 {
         let Gains { points, spreads_q4: [elsewhere_q4, texture_q4], .. } = *memory.0;
         let (next_q4, alike) =
@@ -134,8 +135,8 @@ impl Filter {
         (1 << 13) + ((5 * scatter_q16).saturating_mul(spread_q4) >> 4)
     }
 
-    /// Goes on to a point so many rows after the last one. In texture another edge that crosses must not lead the line astray: what
-    /// is off by more than twice the scatter counts as that.
+    /// Goes on to a point so many rows after the last one. In texture another edge that crosses must not lead the line
+    /// astray: what is off by more than twice the scatter counts as that.
     pub(super) fn follow(&mut self, column_q16: i32, memory: Memory, rows: u16, in_texture: bool) {
         let predicted_q16 = self.column_after(rows);
         // No gate is as wide as that.
@@ -157,7 +158,8 @@ mod tests {
     use super::{Filter, Memory};
     use crate::setup::Limits;
 
-    /// After n points of a straight line in successive rows, column and slope are those of a least-squares fit through all of them.
+    /// After n points of a straight line in successive rows, column and slope are those of a least-squares fit through
+    /// all of them.
     #[test]
     fn it_is_a_line_fit() {
         for slope_q16 in [-40_000_i32, 0, 700, 65_536] {

@@ -11,11 +11,12 @@ use crate::edge::Polarity;
 
 /// The lines on either side of a row.
 ///
-/// Where rows are missing, frames are mixed, bytes are lost or the light is pulsed, the edges are all displaced at one row:
-/// each line that comes to it breaks off, and goes on elsewhere. Edges of the world that end and begin at one row, as windows
-/// do, do not all go on by the same displacement.
+/// Where rows are missing, frames are mixed, bytes are lost or the light is pulsed, the edges are all displaced at one
+/// row: each line that comes to it breaks off, and goes on elsewhere. Edges of the world that end and begin at one row,
+/// as windows do, do not all go on by the same displacement.
 ///
-/// *Cost*: of the order of 24 times the square of the lines that begin there, where any breaks off; else a look at each line.
+/// *Cost*: of the order of 24 times the square of the lines that begin there, where any breaks off; else a look at each
+/// line.
 pub(super) struct Jump<const LINES: usize> {
     /// Of the image, in 1/65536 px.
     columns_q16: i64,
@@ -59,8 +60,8 @@ enum Displacement {
     Columns(i64),
     /// Rows are missing, or are of another frame: each as far as it moves in so many rows.
     Rows(i64),
-    /// Pulses of light show the edges at rest, now here and now there, the nearer ones farther: some pixels to the right, or to
-    /// the left.
+    /// Pulses of light show the edges at rest, now here and now there, the nearer ones farther: some pixels to the
+    /// right, or to the left.
     Right,
     Left,
 }
@@ -91,7 +92,8 @@ impl<const LINES: usize> Jump<LINES> {
         }
     }
 
-    /// Whether all lines go on elsewhere by one and the same displacement, or all but one in four, and chance hardly makes that.
+    /// Whether all lines go on elsewhere by one and the same displacement, or all but one in four, and chance hardly
+    /// makes that.
     pub(super) fn is_common(&self) -> bool {
         let asked = self.broken.iter().take(MOST_ASKED);
         let is_shift = |line: &Broken| {
@@ -105,8 +107,8 @@ impl<const LINES: usize> Jump<LINES> {
         self.is_displaced(Displacement::Right) || self.is_displaced(Displacement::Left) || asked.clone().any(is_shift)
     }
 
-    /// Whether hardly any line that should be displaced by a pixel or more is not, no more lines go on as they were, and chance hardly
-    /// makes that.
+    /// Whether hardly any line that should be displaced by a pixel or more is not, no more lines go on as they were,
+    /// and chance hardly makes that.
     #[inline(never)] // it is asked from four places, and seldom
     fn is_displaced(&self, displacement: Displacement) -> bool {
         let moves = |slope_q16: i32| match displacement {
@@ -122,8 +124,8 @@ impl<const LINES: usize> Jump<LINES> {
         are_all && count > stays && count >= self.whole.len() && self.chance_q32(moved, displacement) <= MOST_CHANCE_Q32
     }
 
-    /// How often such lines break off within the same rows, and others begin where they are displaced to, if neither has to do with the
-    /// other, in 1/2³².
+    /// How often such lines break off within the same rows, and others begin where they are displaced to, if neither
+    /// has to do with the other, in 1/2³².
     fn chance_q32<'a>(&self, mut moved: impl Iterator<Item = &'a Broken>, displacement: Displacement) -> u64 {
         let begun = self.begun.len() as u64;
         let (trials, width_q16) = match displacement {

@@ -2,7 +2,8 @@
 
 use crate::edge::EdgePoint;
 
-/// Sums over the points of a line in a span of rows, relative to the line's first point: exact, and independent of the order.
+/// Sums over the points of a line in a span of rows, relative to the line's first point: exact, and independent of the
+/// order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Knot {
@@ -40,8 +41,8 @@ impl Knot {
         self.widths = self.widths.saturating_add((point.width_q8 > 0).into());
     }
 
-    /// Adds the sums of another knot. Only times can saturate, and not those of points that a [`Ranger`](crate::Ranger) has
-    /// checked.
+    /// Adds the sums of another knot. Only times can saturate, and not those of points that a [`Ranger`](crate::Ranger)
+    /// has checked.
     pub(crate) fn add(&mut self, other: &Self) {
         self.columns_q16 = self.columns_q16.saturating_add(other.columns_q16);
         self.times_ns = self.times_ns.saturating_add(other.times_ns);

@@ -12,11 +12,12 @@ use crate::setup::Readout;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OutOfOrder(pub EdgePoint);
 
-/// The points of one edge in the image: the first, the last, and the sums of all in at most `KNOTS` knots (40 bytes each).
+/// The points of one edge in the image: the first, the last, and the sums of all in at most `KNOTS` knots (40 bytes
+/// each).
 ///
-/// A knot covers a span of rows. The span is one row at first, and doubles whenever the list is full: neighbouring knots
-/// are then merged. So any number of points fits in bounded memory. Rows may ascend or descend, as they are read, and may
-/// be sparse.
+/// A knot covers a span of rows. The span is one row at first, and doubles whenever the list is full: neighbouring
+/// knots are then merged. So any number of points fits in bounded memory. Rows may ascend or descend, as they are read,
+/// and may be sparse.
 ///
 /// *Accuracy*: 16 knots of a full-row edge cost at most 3·10⁻⁵ of the depth (2·10⁻⁴ with tilt free).
 ///
@@ -67,7 +68,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
 
     /// Appends the point of a later row. The second point decides whether the line's rows ascend or descend.
     ///
-    /// *Errors*: hands the point back where its row repeats or goes back, or its time goes back; the line is then unchanged.
+    /// *Errors*: hands the point back where its row repeats or goes back, or its time goes back; the line is then
+    /// unchanged.
     ///
     /// *Cost*: a few dozen instructions, and a merge of all knots each time the line's length doubles.
     pub fn push(&mut self, point: EdgePoint) -> Result<(), OutOfOrder> {
@@ -91,7 +93,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
 
     /// Appends, knot by knot, a line that began later and ended later. The two may overlap.
     ///
-    /// *Errors*: as [`Line::push`] for the last point of `later`, or where `later` began first; this line is then unchanged.
+    /// *Errors*: as [`Line::push`] for the last point of `later`, or where `later` began first; this line is then
+    /// unchanged.
     pub(crate) fn append(&mut self, later: &Self) -> Result<(), OutOfOrder> {
         self.check_order(&later.last)?;
         if later.first.time_ns <= self.first.time_ns || later.first.row == self.first.row {

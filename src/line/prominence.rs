@@ -13,7 +13,8 @@ pub(super) struct Prominence {
     /// Sum of the rows' steps at the line, positive along its polarity, in grey levels times four pixels.
     along: i32,
     rows: u16,
-    /// Upper quartile of the sizes of the steps beside the line in its first row: other upright edges are few among them.
+    /// Upper quartile of the sizes of the steps beside the line in its first row: other upright edges are few among
+    /// them.
     first_step: u16,
     /// How many steps beside it have changed, and the sum of the sizes of these changes.
     changes: u16,
@@ -26,7 +27,8 @@ impl Prominence {
     pub(super) fn is_by_chance(&self, points: u16, rows: u16) -> bool {
         let (points, rows) = (u64::from(points), u64::from(rows));
         let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
-        // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma of a step.
+        // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma
+        // of a step.
         let sigma_q8 = if self.changes < LEAST_CHANGES {
             u64::from(self.first_step) * 237
         } else {
@@ -76,7 +78,8 @@ const UNSEEN: i16 = i16::MIN;
 impl Around {
     pub(super) const UNSEEN: Self = Self { steps: [UNSEEN; AROUND_PX.len()] };
 
-    /// Looks at the row of a point, at its line and beside it: at all places in the first row, then at one; in every second row.
+    /// Looks at the row of a point, at its line and beside it: at all places in the first row, then at one; in every
+    /// second row.
     pub(super) fn look<P: Pixels>(&mut self, prominence: &mut Prominence, row: PixelRow<'_, P>, point: &EdgePoint) {
         if prominence.rows > 0 && !point.row.is_multiple_of(LOOK_ROWS) {
             return;

@@ -18,8 +18,8 @@ pub(super) struct Table<const LINES: usize, const KNOTS: usize> {
     occupied: usize,
 }
 
-/// A place for a line. The tag is written out, and zero where the place is free, so that an empty table is all zero bits:
-/// a `static` one then takes no flash.
+/// A place for a line. The tag is written out, and zero where the place is free, so that an empty table is all zero
+/// bits: a `static` one then takes no flash.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
@@ -83,7 +83,8 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         self.under_way.len() + self.ended.len() >= LINES
     }
 
-    /// Whether it has room for a continuation of each hidden line, which starts as a line of its own and is then stitched.
+    /// Whether it has room for a continuation of each hidden line, which starts as a line of its own and is then
+    /// stitched.
     pub(super) fn has_room_to_stitch(&self) -> bool {
         let taken = self.under_way.len() + self.ended.len();
         let hidden = || self.tracks_under_way().filter(|track| track.state == State::Hidden).count();

@@ -37,8 +37,8 @@ pub(crate) enum State {
     Tentative,
     /// It is handed out when it ends.
     Confirmed,
-    /// A confirmed line of pixels that has not been seen for some rows: it ends, or goes on where another line begins. It is no
-    /// longer located by its model, which would soon take texture for it.
+    /// A confirmed line of pixels that has not been seen for some rows: it ends, or goes on where another line begins.
+    /// It is no longer located by its model, which would soon take texture for it.
     Hidden,
     /// It waits to be handed out.
     Ended,
@@ -80,8 +80,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         gate_q16.min(MAX_GATE_Q16)
     }
 
-    /// Two edges nearer than this cannot be told apart, because of their noise or their blur, in 1/65536 px: four sigma of the noise,
-    /// or two of the blur.
+    /// Two edges nearer than this cannot be told apart, because of their noise or their blur, in 1/65536 px: four sigma
+    /// of the noise, or two of the blur.
     pub(super) fn blur_q16(&self) -> u32 {
         (4 * self.row_sigma_q16()).max(u32::from(self.line.last().width_q8) << 9)
     }
@@ -111,8 +111,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.line.last().sigma_q16.min(EdgePoint::MAX_SIGMA_Q16)
     }
 
-    /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the rows around
-    /// them the residuals of the fit will show.
+    /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the
+    /// rows around them the residuals of the fit will show.
     fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
         if self.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
     }
@@ -138,8 +138,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         true
     }
 
-    /// Takes a point that its row shows on its own. Where these go on and the model locates none, it was made from something
-    /// else when the line was confirmed.
+    /// Takes a point that its row shows on its own. Where these go on and the model locates none, it was made from
+    /// something else when the line was confirmed.
     pub(crate) fn take_scanned(&mut self, point: &EdgePoint, limits: &Limits) -> bool {
         let taken = self.take(EdgePoint { sigma_q16: self.stated_sigma_q16(point.sigma_q16), ..*point }, limits);
         self.unexpected_points = self.unexpected_points.saturating_add(u8::from(taken));
@@ -204,8 +204,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.state == State::Confirmed && (LEAST_STITCH_POINTS..=MOST_STITCH_POINTS).contains(&self.line.points())
     }
 
-    /// How far off this hidden line a young one goes on, if it may be the same edge: where it is expected, and as steep as far as its
-    /// edges tell, if they are as noisy as this line's.
+    /// How far off this hidden line a young one goes on, if it may be the same edge: where it is expected, and as steep
+    /// as far as its edges tell, if they are as noisy as this line's.
     pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u32> {
         let (mine, theirs) = (&self.line, &young.line);
         if self.state != State::Hidden || mine.first().polarity != theirs.first().polarity {
@@ -214,7 +214,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let prediction = self.predict(theirs.last().row, limits);
         let off_q16 = young.filter.column_q16.abs_diff(prediction.column_q16);
         let turn_q16 = u64::from(self.filter.slope_q16.abs_diff(young.filter.slope_q16));
-        // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be noisier.
+        // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be
+        // noisier.
         let points = u64::from(theirs.points().max(1));
         let theirs_q16 = if self.is_beside_texture { young.filter.scatter_q16 } else { 0 };
         let scatter_q16 = u64::from(self.filter.scatter_q16.max(theirs_q16));

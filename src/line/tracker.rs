@@ -19,12 +19,13 @@ use crate::setup::{Limits, Readout};
 
 /// The lines of a frame under way: at most `LINES` of `KNOTS` knots each.
 ///
-/// The points of each row are associated with the lines' predicted columns: a point and a line of the same polarity that
-/// are each other's nearest, within the gate, belong together. A point without a line starts a tentative one. Lines that
-/// have missed too many rows end. A full table refuses new lines, counts them, and never loses a confirmed line.
+/// The points of each row are associated with the lines' predicted columns: a point and a line of the same polarity
+/// that are each other's nearest, within the gate, belong together. A point without a line starts a tentative one.
+/// Lines that have missed too many rows end. A full table refuses new lines, counts them, and never loses a confirmed
+/// line.
 ///
-/// *Cost*: per row an insertion sort of the lines, whose order hardly changes, and for each polarity one pass over points
-/// and lines together.
+/// *Cost*: per row an insertion sort of the lines, whose order hardly changes, and for each polarity one pass over
+/// points and lines together.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize> {
@@ -39,8 +40,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         Self { table: Table::new(), counters: Counters::ZERO }
     }
 
-    /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at may
-    /// be left out; rows without points should be given, since lines end by missing rows.
+    /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at
+    /// may be left out; rows without points should be given, since lines end by missing rows.
     ///
     /// Returns a row at which all lines jump, if that is seen now.
     #[must_use]
@@ -76,8 +77,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         jump.is_common().then_some(begun_in)
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain. To be called before
-    /// the row is scanned.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain. To be
+    /// called before the row is scanned.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
@@ -131,7 +132,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Looks at what is around the confirmed lines that this row has shown, and gives those that are new a model of their edge.
+    /// Looks at what is around the confirmed lines that this row has shown, and gives those that are new a model of
+    /// their edge.
     pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
         for index in 0..self.table.under_way().len() {
             let Some(place) = self.table.under_way().get(index).copied() else { return };
@@ -213,8 +215,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
-    /// Adds the lines under way that have no point on this row yet. Where there is no room to stitch, hidden lines take part in the
-    /// association themselves.
+    /// Adds the lines under way that have no point on this row yet. Where there is no room to stitch, hidden lines take
+    /// part in the association themselves.
     fn expect(&mut self, limits: &Limits, row: u16, candidates: &mut Candidates<LINES>) {
         let (has_room, mut has_moved) = (self.table.has_room_to_stitch(), false);
         for place in self.table.under_way() {
@@ -289,7 +291,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others broke off.
+    /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others
+    /// broke off.
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
         let (mut index, mut has_young) = (0, false);
         while let Some(place) = self.table.under_way().get(index).copied() {

@@ -1,34 +1,38 @@
 //! The numbers of this room that were chosen rather than derived: unit, reason, and the tests that watch them.
 
-/// A line is one by chance unless its mean contrast exceeds that of parallel lines around by so many of their deviations. A frame
-/// has some 10⁵ places for a line, which normal values need 4.5 for; texture has longer tails, the tracker follows what is
-/// strongest, and crossing bars are coherent (`false_distances::of_clutter` with 11; fewer real edges with more).
+/// A line is one by chance unless its mean contrast exceeds that of parallel lines around by so many of their
+/// deviations. A frame has some 10⁵ places for a line, which normal values need 4.5 for; texture has longer tails, the
+/// tracker follows what is strongest, and crossing bars are coherent (`false_distances::of_clutter` with 11; fewer real
+/// edges with more).
 pub(super) const CHANCE_SIGMAS: u64 = 12;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const ROWS_ALIKE: u32 = 2;
 
-/// Likewise beside texture: 2 to 4 were found in gravel, 8 where its cells are 12 px high (`false_distances::of_texture`).
+/// Likewise beside texture: 2 to 4 were found in gravel, 8 where its cells are 12 px high
+/// (`false_distances::of_texture`).
 pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = 8;
 
 /// Where the texture around a line is looked at, in pixels beyond its blur: within a few gates, on either side.
 pub(super) const AROUND_PX: [i32; 8] = [-8, 12, -16, 20, -24, 28, -32, 36];
 
-/// The line and one of these places are looked at in every second row, so that each is seen again after 16 rows: texture has changed by
-/// then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences with more).
+/// The line and one of these places are looked at in every second row, so that each is seen again after 16 rows:
+/// texture has changed by then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences with
+/// more).
 pub(super) const LOOK_ROWS: u16 = 2;
 
-/// So many changes tell how much the texture changes; with fewer, everything around a line counts as texture, also upright
-/// edges (`false_distances::of_texture`).
+/// So many changes tell how much the texture changes; with fewer, everything around a line counts as texture, also
+/// upright edges (`false_distances::of_texture`).
 pub(super) const LEAST_CHANGES: u16 = 8;
 
-/// A line is stitched to another whose contrast is at least all but one of so many parts of its own: texture passes for the rest of
-/// an edge where its place alone decides (`line::prominence::tests::lines_of_another_contrast_are_not_alike`).
+/// A line is stitched to another whose contrast is at least all but one of so many parts of its own: texture passes for
+/// the rest of an edge where its place alone decides
+/// (`line::prominence::tests::lines_of_another_contrast_are_not_alike`).
 pub(super) const LIKE_PARTS: i64 = 3;
 
-/// The filter's gain falls with the number of points down to this one's, so that it can follow a curve; fewer where rows are
-/// sparse (`tracking::curved_edges_are_one_line`).
+/// The filter's gain falls with the number of points down to this one's, so that it can follow a curve; fewer where
+/// rows are sparse (`tracking::curved_edges_are_one_line`).
 pub(super) const MEMORY_POINTS: u32 = 64;
 pub(super) const LEAST_MEMORY_POINTS: u32 = 16;
 
@@ -70,28 +74,28 @@ pub(super) const YOUNG_POINTS: u16 = 8;
 /// A displacement of less than a pixel is no jump, in 1/65536 px: lines follow it (`jumps::whole_frames_do_not_jump`).
 pub(super) const LEAST_JUMP_Q16: i64 = 1 << 16;
 
-/// Two displacements within this are the same, in 1/65536 px: the columns of a line that ends and of one that begins are each
-/// known to about half a pixel (`jumps::lost_bytes_are_noticed`).
+/// Two displacements within this are the same, in 1/65536 px: the columns of a line that ends and of one that begins
+/// are each known to about half a pixel (`jumps::lost_bytes_are_noticed`).
 pub(super) const SAME_JUMP_Q16: u64 = 3 << 15;
 
 /// Rows by which frames that are mixed may differ: no frame is longer, and products with a slope stay small
 /// (`jumps::mixed_frames_are_noticed`).
 pub(super) const MOST_JUMP_ROWS: i64 = 1 << 15;
 
-/// Of the lines that break off so many stand for all, and so many are asked where they go on: with all of them the work of a
-/// row would grow with the fourth power of their number, and with one that is wrong no jump is seen
+/// Of the lines that break off so many stand for all, and so many are asked where they go on: with all of them the work
+/// of a row would grow with the fourth power of their number, and with one that is wrong no jump is seen
 /// (`jumps::lost_bytes_are_noticed`, `jumps::a_fence_that_is_torn_is_noticed`).
 pub(super) const MOST_BROKEN: usize = 8;
 pub(super) const MOST_ASKED: usize = 3;
 
-/// Farther than this an edge does not move between two pulses of light, in 1/65536 px: 10 ms at 3 m/s past a post 1 m away
-/// (`jumps::pulsed_light_is_noticed`).
+/// Farther than this an edge does not move between two pulses of light, in 1/65536 px: 10 ms at 3 m/s past a post 1 m
+/// away (`jumps::pulsed_light_is_noticed`).
 pub(super) const MOST_PULSE_Q16: i64 = 16 << 16;
 
 /// A jump is none by chance where that makes one in 10⁵ rows in which lines break off, in 1/2³²
 /// (`jumps::whole_frames_do_not_jump`, `clutter::texture_is_no_bar`).
 pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 
-/// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look costs as
-/// much as locating its line (`cargo xtask budget --use "two bars"`).
+/// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look
+/// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_BESIDE_ROWS: u16 = 8;

@@ -4,10 +4,11 @@ use super::reach::{Reach, Reading, centimetres};
 use crate::range::Range;
 use crate::scalar::Scalar;
 
-/// The fields of MAVLink's `DISTANCE_SENSOR` (132) for one edge, by their names; its time, type and id are the sender's.
+/// The fields of MAVLink's `DISTANCE_SENSOR` (132) for one edge, by their names; its time, type and id are the
+/// sender's.
 ///
-/// The message knows no "no reading" but `signal_quality` 1; `current_distance` then lies beyond `max_distance`, so that
-/// a receiver that looks at it alone does not brake.
+/// The message knows no "no reading" but `signal_quality` 1; `current_distance` then lies beyond `max_distance`, so
+/// that a receiver that looks at it alone does not brake.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DistanceSensor {
@@ -15,7 +16,8 @@ pub struct DistanceSensor {
     pub min_distance: u16,
     /// Centimetres.
     pub max_distance: u16,
-    /// Centimetres, to the nearest, also below `min_distance`; `max_distance + 1` where the edge is farther or nothing is known.
+    /// Centimetres, to the nearest, also below `min_distance`; `max_distance + 1` where the edge is farther or nothing
+    /// is known.
     pub current_distance: u16,
     /// `MAV_SENSOR_ROTATION_CUSTOM` (100): the quaternion tells the direction.
     pub orientation: u8,

@@ -8,9 +8,9 @@
 //! | [`LaserScan`] (ROS `sensor_msgs/LaserScan`) | the nearest edge of each beam | sigma, tilt; that a beam is free |
 //! | [`Record`] | all of a [`Range`](crate::Range) that can be used elsewhere, in 17 to 28 bytes with `postcard` | where the edge is in the image |
 //!
-//! An edge has a distance where its status is `Ok`. What is `Far` is beyond the sensor's range if its lower bound is, and
-//! no reading otherwise; neither is anything else. Distances are the shortest ones to the edge's line ([`Reach`] says
-//! from where to where the sensor is to be believed).
+//! An edge has a distance where its status is `Ok`. What is `Far` is beyond the sensor's range if its lower bound is,
+//! and no reading otherwise; neither is anything else. Distances are the shortest ones to the edge's line ([`Reach`]
+//! says from where to where the sensor is to be believed).
 
 mod reach;
 mod distance_sensor;

@@ -35,8 +35,8 @@ impl ObstacleDistance {
     /// As many as the message has.
     pub const SECTORS: usize = 72;
 
-    /// All unknown. The sectors lie evenly about the optical axis of a camera that looks `camera_yaw_deg` to the right of
-    /// the body's nose, over `field_deg`, 1 to 360.
+    /// All unknown. The sectors lie evenly about the optical axis of a camera that looks `camera_yaw_deg` to the right
+    /// of the body's nose, over `field_deg`, 1 to 360.
     #[must_use]
     pub fn new(reach: &Reach, camera_yaw_deg: f32, field_deg: f32) -> Self {
         let increment_f = field_deg.clamp(1.0, 360.0) / Self::SECTORS as f32;
@@ -51,8 +51,8 @@ impl ObstacleDistance {
         }
     }
 
-    /// Takes an edge in. One without a distance, farther than `reach` or beside the sectors changes nothing; one that is nearer
-    /// than `reach` is told as it is.
+    /// Takes an edge in. One without a distance, farther than `reach` or beside the sectors changes nothing; one that
+    /// is nearer than `reach` is told as it is.
     pub fn add<S: Scalar>(&mut self, range: &Range<S>, reach: &Reach) {
         let Reading::Distance { distance_m, .. } = reach.reading(range) else { return };
         let right_deg = range.estimate.bearing.atan().to_f64().to_degrees() as f32;

@@ -6,11 +6,11 @@ use core::fmt::{self, Display, Formatter};
 use crate::range::{Range, RangeStatus};
 use crate::scalar::Scalar;
 
-/// A range for a wire or a log. With the feature `serde` and `postcard` it takes 17 to 28 bytes; a record of another version
-/// is refused when it is read, never misread.
+/// A range for a wire or a log. With the feature `serde` and `postcard` it takes 17 to 28 bytes; a record of another
+/// version is refused when it is read, never misread.
 ///
-/// Version 1 is, in this order: the version, a byte; the frame's number; the line's id, if it has one; the status; three
-/// 32-bit floats; the number of points. A field is never given another meaning: that would be version 2.
+/// Version 1 is, in this order: the version, a byte; the frame's number; the line's id, if it has one; the status;
+/// three 32-bit floats; the number of points. A field is never given another meaning: that would be version 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -5,8 +5,8 @@ use crate::error::ParameterError;
 use crate::range::Range;
 use crate::scalar::Scalar;
 
-/// The fields of ROS's `sensor_msgs/Range` for one edge, by their names; header and radiation type are the sender's, and
-/// `frame_id` must look at the edge. Without a distance they are as REP 117 says.
+/// The fields of ROS's `sensor_msgs/Range` for one edge, by their names; header and radiation type are the sender's,
+/// and `frame_id` must look at the edge. Without a distance they are as REP 117 says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RangeMessage {
@@ -37,11 +37,12 @@ impl RangeMessage {
     }
 }
 
-/// The fields of ROS's `sensor_msgs/LaserScan`, by their names; the header and the times are the sender's. `BEAMS` beams in
-/// a `frame_id` whose x axis is the camera's optical axis, y left and z up (the camera's link, not its optical frame).
+/// The fields of ROS's `sensor_msgs/LaserScan`, by their names; the header and the times are the sender's. `BEAMS`
+/// beams in a `frame_id` whose x axis is the camera's optical axis, y left and z up (the camera's link, not its optical
+/// frame).
 ///
-/// A beam has the nearest of its edges, and NaN where none has a distance: never +∞, which would clear a costmap, since a
-/// camera that sees edges does not know what is free between them.
+/// A beam has the nearest of its edges, and NaN where none has a distance: never +∞, which would clear a costmap, since
+/// a camera that sees edges does not know what is free between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LaserScan<const BEAMS: usize> {

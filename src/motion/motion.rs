@@ -70,8 +70,8 @@ pub trait Motion<S> {
     /// rows are taken to pass at the velocity and the rate that are told there.
     fn pose(&self, time_s: S) -> Pose<S>;
 
-    /// Whether the camera does not turn during the frame, so that each pose has the identity for its rotation: the solver then
-    /// rotates nothing. `false` is always right.
+    /// Whether the camera does not turn during the frame, so that each pose has the identity for its rotation: the
+    /// solver then rotates nothing. `false` is always right.
     fn keeps_attitude(&self) -> bool {
         false
     }

@@ -22,8 +22,8 @@ fn series<S: Scalar>(square: S) -> [S; 3] {
     [a, b.half(), c * S::ratio(1, 6)]
 }
 
-/// The same of an angle of up to a sixteenth of a radian, as most are within a frame, from the first terms: 1/n! with every
-/// second n.
+/// The same of an angle of up to a sixteenth of a radian, as most are within a frame, from the first terms: 1/n! with
+/// every second n.
 #[inline(always)] // so that no constant is divided at run time
 fn short_series<S: Scalar>(square: S, [first, second, third, fourth]: [i32; 4]) -> S {
     let last = S::ratio(1, third).minus_product(square, S::ratio(1, fourth));
@@ -53,7 +53,8 @@ fn doubled<S: Scalar>(square: S) -> [S; 2] {
 }
 
 impl<S: Scalar> Rotation<S> {
-    /// By series and not by a back end's own trigonometry, which may be coarse, and in single precision calculates with doubles.
+    /// By series and not by a back end's own trigonometry, which may be coarse, and in single precision calculates with
+    /// doubles.
     pub(super) fn from_vector(vector: [S; 3]) -> Self {
         let square = dot(vector, vector);
         let [a, b] = if square < S::ratio(1, SMALL) {

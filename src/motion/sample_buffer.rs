@@ -1,4 +1,5 @@
-//! One stream of stamped vectors: which instant a stamp means, for how long a value is trusted, and the value at any time.
+//! One stream of stamped vectors: which instant a stamp means, for how long a value is trusted, and the value at any
+//! time.
 
 use heapless::Deque;
 
@@ -100,8 +101,8 @@ impl<S: Scalar, const N: usize> Stream<S, N> {
         (count.checked_sub(1).and_then(|index| self.samples.get(index)), self.samples.get(count))
     }
 
-    /// The value `time_s` after `zero_ns`, which lies between the last of the first `count` samples and the next one. The
-    /// first and the last value hold beyond the ends.
+    /// The value `time_s` after `zero_ns`, which lies between the last of the first `count` samples and the next one.
+    /// The first and the last value hold beyond the ends.
     pub(crate) fn value(&self, count: usize, zero_ns: i64, time_s: S) -> [S; 3] {
         match (self.around(count), &self.stamps) {
             ((Some(before), Some(after)), Some(StampConvention::Instant(_))) => {

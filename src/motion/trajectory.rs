@@ -18,13 +18,13 @@ pub struct TrajectoryConfig {
     pub velocity: StampConvention,
     /// Stamps of the rotation rate; `None` for a camera that does not turn.
     pub rate: Option<StampConvention>,
-    /// Clock of the direction of gravity, whose values are those of the stamped instants; `None` for a camera that is level
-    /// at every frame start.
+    /// Clock of the direction of gravity, whose values are those of the stamped instants; `None` for a camera that is
+    /// level at every frame start.
     pub gravity: Option<SensorClock>,
 }
 
-/// The last `N` samples each of velocity, rotation rate and gravity, stamped by their own clocks, from which it makes the
-/// [`Motion`] of any frame.
+/// The last `N` samples each of velocity, rotation rate and gravity, stamped by their own clocks, from which it makes
+/// the [`Motion`] of any frame.
 ///
 /// All values are in the camera's axes *at their own instant*, as sensors fixed to the camera measure them; rotate them
 /// from the sensor's axes into the camera's first. The streams may have different rates, and a frame may lie before,
@@ -99,29 +99,32 @@ impl<S: Scalar, const N: usize> Trajectory<S, N> {
 
     /// Takes a velocity in m/s, in the camera's axes of that instant.
     ///
-    /// *Errors*: a component that is not finite or beyond 10000 m/s; a stamp that is not later than the previous one, or
-    /// beyond ±2⁶² ns.
+    /// *Errors*: a component that is not finite or beyond 10000 m/s; a stamp that is not later than the previous one,
+    /// or beyond ±2⁶² ns.
     pub fn push_velocity(&mut self, stamp_ns: i64, velocity_m_s: [S; 3]) -> Result<(), TrajectoryError> {
         self.velocity.push(stamp_ns, checked_velocity(velocity_m_s)?)
     }
 
     /// Takes a rotation rate in rad/s, with the signs of [`Twist::new`](crate::Twist::new).
     ///
-    /// *Errors*: as [`Trajectory::push_velocity`], but beyond 1000 rad/s; a trajectory that was made without rotation rate.
+    /// *Errors*: as [`Trajectory::push_velocity`], but beyond 1000 rad/s; a trajectory that was made without rotation
+    /// rate.
     pub fn push_rate(&mut self, stamp_ns: i64, rate_rad_s: [S; 3]) -> Result<(), TrajectoryError> {
         self.rate.push(stamp_ns, checked_rate(rate_rad_s)?)
     }
 
     /// Takes the direction of "down", a vector of any length: an accelerometer at rest shows its opposite.
     ///
-    /// *Errors*: as [`Trajectory::push_velocity`]; a gravity without direction; a trajectory that was made without gravity.
+    /// *Errors*: as [`Trajectory::push_velocity`]; a gravity without direction; a trajectory that was made without
+    /// gravity.
     pub fn push_gravity(&mut self, stamp_ns: i64, gravity: [S; 3]) -> Result<(), TrajectoryError> {
         self.gravity.push(stamp_ns, checked_direction(gravity)?)
     }
 
-    /// The motion of the frame that starts at `start_ns` of the camera's clock: the middle of the exposure of the row read
-    /// first. Poses can be asked for within `window_ns`, in nanoseconds since frame start: from zero to the time of the row
-    /// read last for a single frame, and up to the frame interval, or from before zero, to get from frame to frame.
+    /// The motion of the frame that starts at `start_ns` of the camera's clock: the middle of the exposure of the row
+    /// read first. Poses can be asked for within `window_ns`, in nanoseconds since frame start: from zero to the time
+    /// of the row read last for a single frame, and up to the frame interval, or from before zero, to get from frame to
+    /// frame.
     ///
     /// Gravity at frame start is interpolated between the samples before and after it, which are first rotated to frame
     /// start with the camera's rotation; so the rotation rate must be known at their stamps, too.

@@ -27,8 +27,8 @@ impl<S: Scalar> Default for PixelNoise<S> {
 
 /// A camera in one of its modes: what a [`Setup`] says of it, and the noise of its pixels.
 ///
-/// Exposure and lens are those of the setup's [`MotionBlur`](crate::MotionBlur); without it, edges are taken to be sharp but for a
-/// usual lens.
+/// Exposure and lens are those of the setup's [`MotionBlur`](crate::MotionBlur); without it, edges are taken to be
+/// sharp but for a usual lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CameraMode<S> {

@@ -109,8 +109,8 @@ pub struct Choice<S, const MODES: usize> {
 
 /// Chooses among at most `MODES` camera modes, for a target that is passed in the direction of a motion.
 ///
-/// Each mode is tried at the nearest, the geometric mean and the farthest depth, at the lowest and at the highest speed: sigma
-/// grows with depth and with slowness, blur and skew with nearness and speed.
+/// Each mode is tried at the nearest, the geometric mean and the farthest depth, at the lowest and at the highest
+/// speed: sigma grows with depth and with slowness, blur and skew with nearness and speed.
 ///
 /// *Errors*: a request or a target outside its limits, a motion without velocity, more modes than there is room for.
 ///

@@ -1,5 +1,5 @@
-//! What a camera will measure, before it drives: sigma of the distance and where it comes from, how near, how far and how
-//! slowly; and which of several camera modes is the best for what is wanted.
+//! What a camera will measure, before it drives: sigma of the distance and where it comes from, how near, how far and
+//! how slowly; and which of several camera modes is the best for what is wanted.
 //!
 //! ```
 //! use shutter_range::plan::{CameraMode, PixelNoise, Planner, Target};
@@ -17,8 +17,8 @@
 //! # Ok::<(), shutter_range::ParameterError>(())
 //! ```
 //!
-//! A prediction is the [`Range`](crate::Range) of an edge that is drawn without noise, with the sigma that the library would give
-//! the columns of its rows: it has the same [`Budget`](crate::Budget) and the same statuses.
+//! A prediction is the [`Range`](crate::Range) of an edge that is drawn without noise, with the sigma that the library
+//! would give the columns of its rows: it has the same [`Budget`](crate::Budget) and the same statuses.
 
 mod tuning;
 mod target;

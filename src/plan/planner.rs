@@ -65,8 +65,8 @@ impl<'a, S: Scalar> Planner<'a, S> {
         Ok(self.at(depth_m))
     }
 
-    /// Between which depths the distance is known to a relative sigma, around the depth where it is known best; `None` where there is
-    /// no such depth.
+    /// Between which depths the distance is known to a relative sigma, around the depth where it is known best; `None`
+    /// where there is no such depth.
     ///
     /// *Cost*: some 150 predictions.
     #[must_use]
@@ -85,8 +85,8 @@ impl<'a, S: Scalar> Planner<'a, S> {
         Some(Reach { nearest_m, farthest_m, nearest_because: self.at(below_m).obstacle })
     }
 
-    /// The lowest speed in m/s, in the direction of the motion, at which the distance at a depth is known to a relative sigma;
-    /// `None` where the motion's own speed does not suffice, or where it is zero.
+    /// The lowest speed in m/s, in the direction of the motion, at which the distance at a depth is known to a relative
+    /// sigma; `None` where the motion's own speed does not suffice, or where it is zero.
     ///
     /// *Cost*: some twenty predictions.
     #[must_use]

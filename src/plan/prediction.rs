@@ -49,7 +49,8 @@ impl Display for Obstacle {
 }
 
 impl<S: Scalar> Prediction<S> {
-    /// Sigma of the inverse depth, relative, and of the depth as long as it is small; [`Scalar::UNKNOWN`] where nothing is known.
+    /// Sigma of the inverse depth, relative, and of the depth as long as it is small; [`Scalar::UNKNOWN`] where nothing
+    /// is known.
     #[must_use]
     pub fn relative_sigma(&self) -> S {
         let estimate = &self.range.estimate;

@@ -53,8 +53,8 @@ impl<S: Scalar> Target<S> {
 }
 
 impl<S: Scalar> Default for Target<S> {
-    /// A post straight ahead, 12 cm wide and 1 m high, half of it above the camera, 110 grey levels darker than what is behind
-    /// it.
+    /// A post straight ahead, 12 cm wide and 1 m high, half of it above the camera, 110 grey levels darker than what is
+    /// behind it.
     fn default() -> Self {
         Self {
             bearing: S::ZERO,

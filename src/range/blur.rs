@@ -12,8 +12,8 @@ use crate::setup::Setup;
 /// The blur that motion has added to an edge, as a measurement of its path during the exposure.
 ///
 /// The variance V of a blurred edge is lens² + 1/12 + B²/12. The path B comes from motion, whatever the lean. What is
-/// measured is ln V: what an image pipeline does to widths is a factor, and as a share of the expected width it would excuse
-/// any lean.
+/// measured is ln V: what an image pipeline does to widths is a factor, and as a share of the expected width it would
+/// excuse any lean.
 ///
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
@@ -32,12 +32,12 @@ pub(crate) struct BlurMeasurement<S> {
 /// that of these two (Gauss's rule).
 const PLACE: (i32, i32) = (21_132, 100_000);
 
-/// Steps towards the best compromise of positions and blur before the rounds: two leave less than a fiftieth of a sigma, and
-/// save a round.
+/// Steps towards the best compromise of positions and blur before the rounds: two leave less than a fiftieth of a
+/// sigma, and save a round.
 const PATH_STEPS: usize = 2;
 
-/// A good edge may be so much more blurred than its slope implies, as a factor on the variance: the lens is softer in the
-/// corners, and not everything is in focus.
+/// A good edge may be so much more blurred than its slope implies, as a factor on the variance: the lens is softer in
+/// the corners, and not everything is in focus.
 const SOFTER: (i32, i32) = (3, 2);
 
 /// Beyond so many sigmas the blur contradicts the slope.
@@ -126,9 +126,9 @@ impl<S: Scalar> BlurMeasurement<S> {
         choices.iter().all(|choice| choice.change_per_m.is_finite() && choice.cost.is_finite()).then_some(choices)
     }
 
-    /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the slope:
-    /// by two sigma. Sharper than that means that the slope is a lean; much more blurred, beside a known lens, that a lean
-    /// hides a part of the slope.
+    /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the
+    /// slope: by two sigma. Sharper than that means that the slope is a lean; much more blurred, beside a known lens,
+    /// that a lean hides a part of the slope.
     pub(super) fn is_consistent(&self, path: &Path<S>, sigma_per_m: S) -> bool {
         let sigma_px = path.per_inverse_depth * sigma_per_m;
         let longer = path.to(path.px.abs() + sigma_px + sigma_px);
@@ -197,8 +197,8 @@ impl<S: Scalar> Path<S> {
     }
 }
 
-/// A change of the inverse depth to where positions and one direction of the path agree best, and the squares of what both
-/// deviate there.
+/// A change of the inverse depth to where positions and one direction of the path agree best, and the squares of what
+/// both deviate there.
 pub(super) struct PathChoice<S> {
     pub(super) change_per_m: S,
     pub(super) cost: S,
@@ -216,8 +216,8 @@ pub struct LensBlurMeasurement<S> {
 }
 
 impl<const KNOTS: usize> Line<KNOTS> {
-    /// Mean of the measured widths (one sigma of blur) in pixels; `None` unless most points have one. The first knot, in
-    /// which the width settles, counts only where there is no other.
+    /// Mean of the measured widths (one sigma of blur) in pixels; `None` unless most points have one. The first knot,
+    /// in which the width settles, counts only where there is no other.
     #[must_use]
     pub fn mean_width_px<S: Scalar>(&self) -> Option<S> {
         let sum = self.settled();

@@ -6,12 +6,12 @@ use crate::scalar::{Scalar, hypot};
 ///
 /// In a sequence, the part of an error of speed or rotation that has drifted since counts as noise.
 ///
-/// Noise and lean are independent from edge to edge and average out over edges; the rest is correlated over all edges of a
-/// frame and does not: weight edges by [`independent_per_m`](Self::independent_per_m), then add
+/// Noise and lean are independent from edge to edge and average out over edges; the rest is correlated over all edges
+/// of a frame and does not: weight edges by [`independent_per_m`](Self::independent_per_m), then add
 /// [`correlated_per_m`](Self::correlated_per_m) to the result.
 ///
-/// Which source dominates, for a level camera that moves sideways at v past an edge at depth Z, with f the focal length in
-/// pixels and l the line time:
+/// Which source dominates, for a level camera that moves sideways at v past an edge at depth Z, with f the focal length
+/// in pixels and l the line time:
 ///
 /// | source | relative error of Z | when it dominates |
 /// | --- | --- | --- |

@@ -8,9 +8,9 @@
 //! F = m · P = 0,   P = (a, 0, 1) − ρ p;     −F/m_x = δa + q δρ + w δβ,   q = −(m · p)/m_x
 //! ```
 //!
-//! β, the lean of the edge in the image plane, is the third unknown, with a prior. Every round linearises about the last
-//! estimate, so that the sums hold small residuals (single precision suffices) and the regressor q does not share the
-//! noise of the observation (no bias in forward motion). The rounds are solved by orthogonalisation: inverting the
+//! β, the lean of the edge in the image plane, is the third unknown, with a prior. Every round linearises about the
+//! last estimate, so that the sums hold small residuals (single precision suffices) and the regressor q does not share
+//! the noise of the observation (no bias in forward motion). The rounds are solved by orthogonalisation: inverting the
 //! 3 × 3 normal matrix, whose condition is 10⁴ to 10⁶, would return nonsense in single precision.
 
 use heapless::Vec;
@@ -42,8 +42,8 @@ const PS_PER_S: i64 = 1_000_000_000_000;
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
-/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the tilt
-/// is free or outliers must be rejected. docs/budget.md has instructions and stack.
+/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the
+/// tilt is free or outliers must be rejected. docs/budget.md has instructions and stack.
 ///
 /// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the
 /// paper's equation (3).

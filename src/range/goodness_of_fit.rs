@@ -38,8 +38,8 @@ impl<S: Scalar> GoodnessOfFit<S> {
     }
 }
 
-/// The mean square of `count` unit variates exceeds this as seldom as one normal variate exceeds so many sigmas (Wilson and
-/// Hilferty).
+/// The mean square of `count` unit variates exceeds this as seldom as one normal variate exceeds so many sigmas (Wilson
+/// and Hilferty).
 pub(crate) fn chance_limit<S: Scalar>(count: S, sigmas: S) -> S {
     let part = S::ratio(2, 9) / count;
     let root = S::ONE - part + sigmas * part.sqrt();

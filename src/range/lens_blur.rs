@@ -8,8 +8,8 @@ use crate::setup::MotionBlur;
 
 /// The lens's own blur, estimated from the edges seen so far, starting from a prior.
 ///
-/// Edges that hardly move during the exposure, or whose depth is known from several frames, show the lens's blur; once that
-/// is known, the blur of other edges measures their motion.
+/// Edges that hardly move during the exposure, or whose depth is known from several frames, show the lens's blur; once
+/// that is known, the blur of other edges measures their motion.
 ///
 /// ```
 /// use shutter_range::{LensBlur, MotionBlur};

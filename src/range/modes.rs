@@ -4,8 +4,8 @@ use heapless::Vec;
 
 use crate::scalar::{Scalar, over};
 
-/// Polynomials of the row, orthogonal over the samples with their weights: a constant, a slope, a bow, and so on, one after
-/// the other. Each has one value for each sample, in units of its sigma.
+/// Polynomials of the row, orthogonal over the samples with their weights: a constant, a slope, a bow, and so on, one
+/// after the other. Each has one value for each sample, in units of its sigma.
 ///
 /// *Source*: the three-term recurrence of discrete orthogonal polynomials (Forsythe 1957).
 pub(super) struct Modes<S, const N: usize> {
@@ -20,8 +20,8 @@ pub(super) struct Modes<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Modes<S, N> {
-    /// The constant, from the place of each sample and the reciprocal of its sigma, in the order of readout. The first and
-    /// the last place differ.
+    /// The constant, from the place of each sample and the reciprocal of its sigma, in the order of readout. The first
+    /// and the last place differ.
     pub(super) fn new(samples: impl Iterator<Item = (S, S)>) -> Self {
         let mut modes = Self { places: Vec::new(), values: Vec::new(), per_square: S::ZERO, recurrence: [S::ZERO; 2] };
         for (place, per_sigma) in samples {

@@ -58,8 +58,8 @@ pub(crate) struct Observation<S> {
     pub(crate) is_inlier: bool,
 }
 
-/// Directions of the rays at the ends of a span, as their mean and half their difference, the middle position and half the
-/// difference of the positions at the ends.
+/// Directions of the rays at the ends of a span, as their mean and half their difference, the middle position and half
+/// the difference of the positions at the ends.
 struct Rays<S> {
     direction: [S; 3],
     half: [S; 3],
@@ -95,8 +95,9 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let Rays { direction, along_row, position, .. } = rays;
         let [mut down, lean] = self.normals(direction, position);
         let [down_per_px, lean_per_px] = self.normals(along_row, position);
-        // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and that
-        // of a product the product of the means and this. What it would add to the lean is the product of two small numbers.
+        // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and
+        // that of a product the product of the means and this. What it would add to the lean is the product of two
+        // small numbers.
         down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));

@@ -73,9 +73,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         sizes
     }
 
-    /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a third
-    /// of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to, or
-    /// `None` where none is rejected.
+    /// Rejects the samples that deviate much more than the others, such as those of an object in between; at most a
+    /// third of them: if more do not fit, this is no straight edge. Leaves the equations reweighted; what they come to,
+    /// or `None` where none is rejected.
     #[inline(never)]
     fn reject_outliers(&mut self) -> Option<[S; 3]> {
         let (solution, scales) = self.reweight();
@@ -94,8 +94,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         leave_out.then(|| solution.change())
     }
 
-    /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution, and by what
-    /// the noise of each observation has been scaled.
+    /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution, and by
+    /// what the noise of each observation has been scaled.
     #[inline(never)]
     fn reweight(&mut self) -> (Solution<S>, Vec<S, N>) {
         let mut solution = self.last.solution;
@@ -132,8 +132,8 @@ fn least_scale<S: Scalar>() -> S {
     S::ratio(1, 2)
 }
 
-/// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is needed,
-/// which could panic.
+/// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is
+/// needed, which could panic.
 pub(crate) fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
     let usual = sizes.iter().copied().filter(|size| !is_beyond_robust_scale(*size, sizes)).reduce(S::max);
     usual.unwrap_or(S::ONE).max(least_scale())

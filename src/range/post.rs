@@ -7,11 +7,12 @@ use super::status::RangeStatus;
 use crate::edge::Polarity;
 use crate::scalar::{Scalar, hypot};
 
-/// Two edges that are the sides of one post: the same rows and opposite polarities, nearer to each other than to any other
-/// edge like that, and no further apart than a quarter of their height.
+/// Two edges that are the sides of one post: the same rows and opposite polarities, nearer to each other than to any
+/// other edge like that, and no further apart than a quarter of their height.
 ///
-/// An edge of inverse depth ρ that leans by β looks like an upright one of inverse depth ρ + β/s, where s is the slope that
-/// the camera's motion gives to an edge at 1 m. The sides of a tapered post lean by +t and −t, so that t cancels in
+/// An edge of inverse depth ρ that leans by β looks like an upright one of inverse depth ρ + β/s, where s is the slope
+/// that the camera's motion gives to an edge at 1 m. The sides of a tapered post lean by +t and −t, so that t cancels
+/// in
 ///
 /// ```text
 /// ρ = (ρ₁ + ρ₂) / 2
@@ -94,8 +95,8 @@ impl<S: Scalar> Post<S> {
         RangeStatus::of_numbers(self.inverse_depth_per_m, self.sigma_inverse_depth_per_m, false)
     }
 
-    /// Shortest distance to the line in the middle, and its bounds so many sigmas of inverse depth on either side; no most
-    /// likely value unless the status is [`Ok`](RangeStatus::Ok).
+    /// Shortest distance to the line in the middle, and its bounds so many sigmas of inverse depth on either side; no
+    /// most likely value unless the status is [`Ok`](RangeStatus::Ok).
     #[must_use]
     pub fn distance(&self, sigmas: Sigmas<S>) -> Interval<S> {
         let inverse = (self.inverse_depth_per_m, self.sigma_inverse_depth_per_m);

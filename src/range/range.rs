@@ -175,8 +175,8 @@ impl<S: Scalar> Range<S> {
         Ok(())
     }
 
-    /// Whether it does not stand out of what is around; or is so short, and scatters so much, that a wander of its edge and
-    /// pieces of several edges look alike.
+    /// Whether it does not stand out of what is around; or is so short, and scatters so much, that a wander of its edge
+    /// and pieces of several edges look alike.
     fn is_by_chance<const N: usize>(&self, line: &Line<N>) -> bool {
         let rows = i32::from(self.last_row.abs_diff(self.first_row)) + 1;
         let scatters = self.estimate.misfit > S::ratio(MOST_SHORT_MISFIT.0, MOST_SHORT_MISFIT.1);
@@ -207,8 +207,8 @@ impl<S: Scalar> Range<S> {
         self.points < readout.rows() / SHORT_PART
     }
 
-    /// Depth and its bounds so many sigmas of inverse depth on either side, as [`Estimate::depth`]; no most likely value
-    /// unless the status is [`Ok`](RangeStatus::Ok), and no bounds where it says that the slope is no depth.
+    /// Depth and its bounds so many sigmas of inverse depth on either side, as [`Estimate::depth`]; no most likely
+    /// value unless the status is [`Ok`](RangeStatus::Ok), and no bounds where it says that the slope is no depth.
     #[must_use]
     pub fn depth(&self, sigmas: Sigmas<S>) -> Interval<S> {
         self.as_status_allows(self.estimate.depth(sigmas))
@@ -258,8 +258,8 @@ fn leans_too_much<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>, is_single
     prior > S::ZERO && estimate.tilt.abs() > most
 }
 
-/// Column at which the fitted line crosses the row of `near`, by Newton's iteration along that row; that of `near` itself
-/// where the line does not cross the row.
+/// Column at which the fitted line crosses the row of `near`, by Newton's iteration along that row; that of `near`
+/// itself where the line does not cross the row.
 pub(crate) fn column_at<S: Scalar, M: Motion<S>>(
     setup: &Setup<S>,
     motion: &M,

@@ -1,14 +1,15 @@
 //! Every number of this stage that was chosen rather than derived.
 
-/// Rows over which the roughness of an edge is alike: real edges keep half of their correlation over six rows, which makes
-/// sixteen rows as good as one independent value (`cargo test real_edges`).
+/// Rows over which the roughness of an edge is alike: real edges keep half of their correlation over six rows, which
+/// makes sixteen rows as good as one independent value (`cargo test real_edges`).
 pub(super) const ROUGHNESS_ROWS: i32 = 16;
 
-/// A wander that is alike over more than this share of an edge passes for its place and slope (`cargo test real_cameras`).
+/// A wander that is alike over more than this share of an edge passes for its place and slope (`cargo test
+/// real_cameras`).
 pub(super) const LONGEST_WANDER: (i32, i32) = (2, 5);
 
-/// Modes of the residuals that tell how much the edge wanders: fewer tell it badly, and of a slow wander higher ones show
-/// nothing (`cargo test wander`).
+/// Modes of the residuals that tell how much the edge wanders: fewer tell it badly, and of a slow wander higher ones
+/// show nothing (`cargo test wander`).
 pub(super) const WANDER_MODES: usize = 6;
 
 /// Beyond so many sigmas of chance the stated noise is too small (`cargo test white_noise_stays_white_noise`).
@@ -17,15 +18,16 @@ pub(super) const NOISY_SIGMAS: i32 = 4;
 /// Beyond so many, an edge that is said to be straight wanders (`cargo test wander`).
 pub(super) const WANDERING_SIGMAS: i32 = 2;
 
-/// A bend is what departs from a straight line by more than so many sigmas of noise and the limit: of lines of a dozen noisy
-/// rows noise alone makes one in ten depart by more than the limit (`cargo test noise_is_no_bend`).
+/// A bend is what departs from a straight line by more than so many sigmas of noise and the limit: of lines of a dozen
+/// noisy rows noise alone makes one in ten depart by more than the limit (`cargo test noise_is_no_bend`).
 pub(super) const NO_BEND_SIGMAS: i32 = 2;
 
-/// A deviation of more sigmas counts as so many: squares of larger ones would leave single precision no room for the others.
+/// A deviation of more sigmas counts as so many: squares of larger ones would leave single precision no room for the
+/// others.
 pub(super) const MOST_SIGMAS: i32 = 1_000;
 
-/// A round that moves the estimate by less than this part of a sigma is the last: 1/50. The next one would move it by the
-/// square of that (`cargo test least_squares` allows 1/100).
+/// A round that moves the estimate by less than this part of a sigma is the last: 1/50. The next one would move it by
+/// the square of that (`cargo test least_squares` allows 1/100).
 pub(super) const SETTLED_PART: i32 = 50;
 
 /// Nor is another round needed that would change each sigma by less than this part (`cargo test least_squares`).
@@ -35,22 +37,23 @@ pub(super) const SAME_SIGMA_PART: i32 = 1_000;
 /// ones would move it by the hundredth part of a sigma at most.
 pub(super) const NEARBY_PART: i32 = 4;
 
-/// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to five.
+/// Rounds without settling after which a line is no straight edge. Most take two; with a wide prior on the tilt up to
+/// five.
 pub(super) const MOST_ROUNDS: usize = 10;
 
 /// Rounds after which only half of each step is taken: where tilt and depth go together, whole ones may go to and fro
 /// for ever (`cargo test forward_motion`).
 pub(super) const FULL_ROUNDS: usize = 6;
 
-/// Below this share of its value for a level camera, a row runs along upright edges: one pixel of column weighs as ten do
-/// there (`cargo test statuses`).
+/// Below this share of its value for a level camera, a row runs along upright edges: one pixel of column weighs as ten
+/// do there (`cargo test statuses`).
 pub(super) const LEAST_CROSSING: (i32, i32) = (1, 10);
 
 /// A solution behind the camera gives way to one in front unless that fits worse by three sigma: the square of it.
 pub(super) const MIRROR_COST: i32 = 9;
 
-/// The solution in front is about as far from the camera as the one behind it. What comes out this many times nearer has not
-/// settled but run away, to where rounding decides (`cargo test agreement`).
+/// The solution in front is about as far from the camera as the one behind it. What comes out this many times nearer
+/// has not settled but run away, to where rounding decides (`cargo test agreement`).
 pub(super) const MIRROR_REACH: i32 = 4;
 
 /// Of the two paths that explain a blur, one that fits worse than the other by five sigma before its rounds is not
@@ -74,8 +77,8 @@ pub(super) const OUTLIER: i32 = 4;
 /// How often outliers are looked for: those that are far off hide others (`cargo test more_than_a_third`).
 pub(super) const MOST_REJECTIONS: usize = 4;
 
-/// Rounds of reweighting, none of which linearises anew. Twelve bring the fit within a tenth of a sigma of least absolute
-/// deviations; more would make the worst line dearer and nothing better.
+/// Rounds of reweighting, none of which linearises anew. Twelve bring the fit within a tenth of a sigma of least
+/// absolute deviations; more would make the worst line dearer and nothing better.
 pub(super) const REWEIGHTING_ROUNDS: usize = 12;
 
 /// A round of reweighting that changes no weight by more than this part is the last: 1/20 of a scale, which is a tenth

@@ -60,8 +60,8 @@ impl<'a, S: Scalar> Residual<'a, S> {
     }
 }
 
-/// The errors of an edge's columns: white noise, and a wander whose correlation falls off exponentially along the edge (a
-/// Gauss-Markov process).
+/// The errors of an edge's columns: white noise, and a wander whose correlation falls off exponentially along the edge
+/// (a Gauss-Markov process).
 pub(super) struct Wander<S> {
     /// Factor on the stated variance of the noise.
     noise: S,
@@ -77,9 +77,9 @@ impl<S: Scalar> Wander<S> {
     /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated.
     /// `blur_px` is that of the edge.
     ///
-    /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge alike
-    /// until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in the
-    /// residuals, their modes are compared with what such a process leaves in them.
+    /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge
+    /// alike until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in
+    /// the residuals, their modes are compared with what such a process leaves in them.
     ///
     /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told
     /// of its place and its lean, and parallax does not mind it: only roughness is left.
@@ -165,8 +165,8 @@ fn modes_and_spare(count: usize) -> [usize; 2] {
     [modes, count.saturating_sub(SPENT + modes)]
 }
 
-/// Whether even all squares together were neither beyond chance in the modes nor in the noise beside them: most edges are
-/// straight, and need no modes.
+/// Whether even all squares together were neither beyond chance in the modes nor in the noise beside them: most edges
+/// are straight, and need no modes.
 fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
     let squares =
         residuals.iter().fold(S::ZERO, |sum, residual| sum.plus_product(residual.deviation, residual.deviation));

@@ -5,8 +5,8 @@ use ::fixed::types::I32F32;
 use super::scalar::{Scalar, sealed};
 
 /// A number of 31 bits and a power of two, from 2⁻¹²⁶ to 2¹²⁷ in size, in integer arithmetic only: no product or
-/// quotient has more than 64 bits, and none is made by a division. What leaves the range becomes the largest number, which
-/// [`is_finite`](Scalar::is_finite) tells, or zero.
+/// quotient has more than 64 bits, and none is made by a division. What leaves the range becomes the largest number,
+/// which [`is_finite`](Scalar::is_finite) tells, or zero.
 ///
 /// Sums, products, quotients and roots are good to 4·10⁻⁹ of the larger operand or of the result. The trigonometric
 /// functions are good to 4·10⁻⁹ (tangent: relative to 1 + tan²) for angles up to 2π.

@@ -115,8 +115,8 @@ pub(crate) fn over<S: Scalar>(value: S) -> S {
     if value > S::ZERO { S::ONE / value } else { S::ZERO }
 }
 
-/// Natural logarithm of a positive number, good to 10⁻⁶ or what the type resolves; that of the nearest power of two within
-/// 2⁻⁴⁰ to 2⁴⁰ beyond.
+/// Natural logarithm of a positive number, good to 10⁻⁶ or what the type resolves; that of the nearest power of two
+/// within 2⁻⁴⁰ to 2⁴⁰ beyond.
 pub(crate) fn ln<S: Scalar>(x: S) -> S {
     let (half, two) = (S::ratio(1, 2), S::ONE + S::ONE);
     let (mut part, mut halvings) = (x, 0);
@@ -137,8 +137,8 @@ pub(crate) fn ln<S: Scalar>(x: S) -> S {
     S::from_i32(halvings) * S::ratio(693_147, 1_000_000) + two * t * (S::ONE + series)
 }
 
-/// A single in double precision, from its bits: cores with a unit for single precision have routines for doubles, which are
-/// not linked for the number in an error.
+/// A single in double precision, from its bits: cores with a unit for single precision have routines for doubles, which
+/// are not linked for the number in an error.
 #[cfg(any(feature = "libm", feature = "micromath"))]
 pub(super) const fn widened(value: f32) -> f64 {
     let bits = value.to_bits();

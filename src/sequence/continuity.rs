@@ -13,29 +13,30 @@ use crate::setup::Setup;
 
 /// How a frame goes on from those before it: whether all known edges are off alike.
 ///
-/// A frame that was lost, came twice, or was taken earlier or later than told moves all edges along their ways by one time.
-/// So does a camera that suddenly moves faster or slower than told; edges at about one depth do not tell the two apart,
-/// nor from a turn.
+/// A frame that was lost, came twice, or was taken earlier or later than told moves all edges along their ways by one
+/// time. So does a camera that suddenly moves faster or slower than told; edges at about one depth do not tell the two
+/// apart, nor from a turn.
 ///
-/// In two frames time and depth are the same: a frame lost between the first two that show an edge is mostly noticed in the third,
-/// and what the second has told of it was wrong. Three frames that agree are sure of it.
+/// In two frames time and depth are the same: a frame lost between the first two that show an edge is mostly noticed in
+/// the third, and what the second has told of it was wrong. Three frames that agree are sure of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Continuity<S> {
     /// Known edges are where they should be, or too few of them are seen to say more.
     Steady,
-    /// They are off by one time: the frame was taken so much later than told, or earlier if negative. What is known has been
-    /// moved on accordingly.
+    /// They are off by one time: the frame was taken so much later than told, or earlier if negative. What is known has
+    /// been moved on accordingly.
     Shifted {
         /// Seconds to add to the time since the frame before: a whole interval after a lost frame.
         seconds: S,
         /// One standard deviation of it.
         sigma_s: S,
     },
-    /// They show what the frame before has shown: it came twice, or the camera stood still. Nothing was learned from it.
+    /// They show what the frame before has shown: it came twice, or the camera stood still. Nothing was learned from
+    /// it.
     Repeated,
-    /// They are off alike, or nearly none is where it should be, and no one time tells why: all are forgotten, and each line
-    /// of this frame stands for itself.
+    /// They are off alike, or nearly none is where it should be, and no one time tells why: all are forgotten, and each
+    /// line of this frame stands for itself.
     Restarted,
 }
 
@@ -53,8 +54,8 @@ pub(super) struct Census<S> {
 }
 
 impl<S: Scalar> Census<S> {
-    /// Asks edges of earlier frames about the lines that have been found for them; `interval_s` is the time since the frame
-    /// before.
+    /// Asks edges of earlier frames about the lines that have been found for them; `interval_s` is the time since the
+    /// frame before.
     pub(super) fn of<'l, M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,
@@ -92,8 +93,8 @@ impl<S: Scalar> Census<S> {
         4 * self.in_place >= self.asked && !self.is_off_alike()
     }
 
-    /// Whether edges that several frames have shown are where the time since the frame before has them: then it is right for
-    /// all others, too.
+    /// Whether edges that several frames have shown are where the time since the frame before has them: then it is
+    /// right for all others, too.
     pub(super) fn shows_interval(&self) -> bool {
         self.sure >= LEAST_ASKED && !self.is_off_alike()
     }

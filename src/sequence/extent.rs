@@ -4,8 +4,8 @@ use super::propagation::{FrameTransition, Propagated};
 use crate::range::{Line3, RowPlane};
 use crate::scalar::Scalar;
 
-/// The stretch from one end of an edge to the other, along its direction from the point in the plane y = 0, in units of that
-/// point's depth.
+/// The stretch from one end of an edge to the other, along its direction from the point in the plane y = 0, in units of
+/// that point's depth.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Extent<S> {
@@ -37,8 +37,8 @@ impl<S: Scalar> Extent<S> {
         place >= self.from && place <= self.to
     }
 
-    /// Whether half of the shorter one belongs to the longer one, too: two fragments of one contour above each other are two
-    /// edges.
+    /// Whether half of the shorter one belongs to the longer one, too: two fragments of one contour above each other
+    /// are two edges.
     pub(super) fn is_same_part(&self, other: &Self) -> bool {
         let shorter = (self.to - self.from).min(other.to - other.from);
         let common = self.common(other);

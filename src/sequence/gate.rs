@@ -9,8 +9,8 @@ use crate::scalar::{Scalar, add, hypot, ln, scale, sub};
 pub(super) struct Comparison<S> {
     /// Square of the distance in sigmas, of mean and difference together.
     pub(super) square: S,
-    /// Minus twice the logarithm of the likelihood, but for a constant: the smaller, the better a line fits. Of two edges that
-    /// a line fits, the surer one has it.
+    /// Minus twice the logarithm of the likelihood, but for a constant: the smaller, the better a line fits. Of two
+    /// edges that a line fits, the surer one has it.
     pub(super) cost: S,
     /// Whether the line runs as the edge would, wherever it lies.
     pub(super) is_parallel: bool,
@@ -47,8 +47,8 @@ impl<S: Scalar> Comparison<S> {
     }
 }
 
-/// How far along the row an observation lies from the prediction in pixels, and its change with bearing, inverse depth and
-/// tilt.
+/// How far along the row an observation lies from the prediction in pixels, and its change with bearing, inverse depth
+/// and tilt.
 pub(super) fn deviation<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> Option<(S, [S; 3])> {
     let residual = line3.residual(observation);
     let sensitivity = [residual.per_bearing, residual.per_inverse_depth, residual.per_tilt];

@@ -63,8 +63,8 @@ pub(crate) struct Match<S> {
     pub(crate) is_doubtful: bool,
 }
 
-/// What the first frame tells in a second one that may have been taken at another time than told; nothing where an edge cannot
-/// be so much later.
+/// What the first frame tells in a second one that may have been taken at another time than told; nothing where an edge
+/// cannot be so much later.
 pub(super) struct UnsureTime<S> {
     pub(super) earlier: Option<LineState<S>>,
 }
@@ -171,10 +171,10 @@ impl<S: Scalar> Landmark<S> {
 
     /// Ranges a line that is this edge, with what earlier frames have told, and updates the state.
     ///
-    /// A line that is where a static edge cannot be has moved: it starts anew. In two frames time and depth are the same, so
-    /// that what the second one tells is as unsure as the time, unless other edges have shown that it is right: its range is
-    /// then to be told anew. `unsure_interval_s` is the time since the frame before, if none have. So is the time of each frame
-    /// that has missed it.
+    /// A line that is where a static edge cannot be has moved: it starts anew. In two frames time and depth are the
+    /// same, so that what the second one tells is as unsure as the time, unless other edges have shown that it is
+    /// right: its range is then to be told anew. `unsure_interval_s` is the time since the frame before, if none have.
+    /// So is the time of each frame that has missed it.
     #[inline(never)]
     pub(super) fn update<M: Motion<S>, const KNOTS: usize>(
         &mut self,
@@ -227,8 +227,8 @@ impl<S: Scalar> Landmark<S> {
         self.extent_of(&LineObservation::new(setup, motion, &self.state.line3, line)?)
     }
 
-    /// A range of this edge under its name; no distance until it counts as static again, nor until the frames agree better
-    /// than by chance.
+    /// A range of this edge under its name; no distance until it counts as static again, nor until the frames agree
+    /// better than by chance.
     ///
     /// `is_unsure`: the range is what two frames have told, of which nothing shows that their time was right.
     pub(crate) fn name(&mut self, range: Range<S>, most_chance: S, is_unsure: bool) -> Range<S> {
@@ -260,8 +260,8 @@ impl<S: Scalar> Landmark<S> {
         Extent::between(&self.state.line3, &observation.rows)
     }
 
-    /// The plane through the camera and this edge, once frames have measured its lean; before, it only repeats what was assumed
-    /// of the vertical.
+    /// The plane through the camera and this edge, once frames have measured its lean; before, it only repeats what was
+    /// assumed of the vertical.
     pub(super) fn plane(&self, setup: &Setup<S>) -> Option<EdgePlane<S>> {
         let [_, _, sigma_tilt] = self.state.covariance.sigma();
         let lean = setup.uncertainty().sigma_tilt;
@@ -270,8 +270,8 @@ impl<S: Scalar> Landmark<S> {
         is_measured.then(|| EdgePlane::of_edge(&self.state.line3, hypot(sigma_tilt, lean), to - from))
     }
 
-    /// The same edge with another estimate of the vertical: its line in the image stays, and so does the depth in the middle of
-    /// what was seen. `None` where that is beside the camera.
+    /// The same edge with another estimate of the vertical: its line in the image stays, and so does the depth in the
+    /// middle of what was seen. `None` where that is beside the camera.
     pub(crate) fn with_gravity(self, gravity: [S; 3]) -> Option<Self> {
         let line3 = self.state.line3;
         let [from, to] = self.extent.ends();

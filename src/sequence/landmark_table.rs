@@ -16,7 +16,8 @@ use crate::setup::Setup;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct LandmarkTable<S, const N: usize> {
     landmarks: Vec<Landmark<S>, N>,
-    /// Number of landmarks that earlier frames have shown; they are sorted by the columns where this frame should show them.
+    /// Number of landmarks that earlier frames have shown; they are sorted by the columns where this frame should show
+    /// them.
     known: u32,
     /// The farthest reach of any of them.
     reach_px: S,
@@ -60,8 +61,8 @@ impl<S: Scalar, const N: usize> LandmarkTable<S, N> {
         self.replace_each(|landmark| landmark.propagated(setup, transition));
     }
 
-    /// Associates each line with at most one landmark, and each landmark with at most one line: a landmark keeps the likeliest
-    /// of the lines that are offered to it, and a line that is turned down is offered to the next one.
+    /// Associates each line with at most one landmark, and each landmark with at most one line: a landmark keeps the
+    /// likeliest of the lines that are offered to it, and a line that is turned down is offered to the next one.
     pub(super) fn match_lines<'l, M: Motion<S>, const KNOTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -109,8 +110,8 @@ impl<S: Scalar, const N: usize> LandmarkTable<S, N> {
         self.landmarks.retain(|landmark| landmark.missed <= MOST_MISSED);
     }
 
-    /// Offers a line to the likeliest landmark that prefers it to its present one, and returns the place of the line that is
-    /// turned down.
+    /// Offers a line to the likeliest landmark that prefers it to its present one, and returns the place of the line
+    /// that is turned down.
     fn offer(
         &mut self,
         setup: &Setup<S>,
@@ -137,8 +138,8 @@ impl<S: Scalar, const N: usize> LandmarkTable<S, N> {
         self.landmarks.push(newcomer).or_else(|newcomer| self.replace_unseen(newcomer))
     }
 
-    /// Replaces the landmark that has not been seen for longest, tentative ones first. One that this frame shows is never
-    /// replaced.
+    /// Replaces the landmark that has not been seen for longest, tentative ones first. One that this frame shows is
+    /// never replaced.
     fn replace_unseen(&mut self, newcomer: Landmark<S>) -> Result<(), Landmark<S>> {
         let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.matched.is_none());
         match unseen.max_by_key(|landmark| (landmark.is_tentative, landmark.missed)) {

@@ -43,8 +43,9 @@ impl<S: Scalar> LineState<S> {
         Some(if seeks_tilt { state } else { state.upright() })
     }
 
-    /// The same where nothing shows that the time since it was seen first is right. `other` is the same edge at another depth that
-    /// it may have: it goes along its way as the nearer one of the two does. `None` where that leads beside or behind the camera.
+    /// The same where nothing shows that the time since it was seen first is right. `other` is the same edge at another
+    /// depth that it may have: it goes along its way as the nearer one of the two does. `None` where that leads beside
+    /// or behind the camera.
     #[inline(never)]
     pub(crate) fn with_unsure_time<M: Motion<S>>(&self, motion: &M, other: &Line3<S>, elapsed_s: S) -> Option<Self> {
         let inverse_depth = self.line3.inverse_depth.abs().max(other.inverse_depth.abs());
@@ -56,8 +57,8 @@ impl<S: Scalar> LineState<S> {
         Some(Self { covariance: self.covariance.and(change), ..*self })
     }
 
-    /// The same for an edge that is stated to be upright: it is so in the new axes as well. Where these differ from what the
-    /// turn made of the old ones, the turn was wrong.
+    /// The same for an edge that is stated to be upright: it is so in the new axes as well. Where these differ from
+    /// what the turn made of the old ones, the turn was wrong.
     fn upright(self) -> Self {
         let Covariance { variance: [a, r, _], mixed: [ar, ..] } = self.covariance;
         Self {
@@ -97,8 +98,8 @@ impl<S: Scalar> FrameTransition<S> {
         Propagated::of(line3, self).map(|propagated| propagated.line3)
     }
 
-    /// For an error that is correlated over about a second: which part of it is kept, and which is replaced by a new one.
-    /// The squares add up to one.
+    /// For an error that is correlated over about a second: which part of it is kept, and which is replaced by a new
+    /// one. The squares add up to one.
     fn drift(&self) -> (S, S) {
         let kept = S::ONE / (S::ONE + self.elapsed_s.abs());
         (kept, ((S::ONE - kept) * (S::ONE + kept)).sqrt())
@@ -147,7 +148,8 @@ impl<S: Scalar> Propagated<S> {
         (place + self.along) * self.length / self.depth
     }
 
-    /// Change of the new bearing, inverse depth and tilt with small changes of `foot`, `down` and the old inverse depth.
+    /// Change of the new bearing, inverse depth and tilt with small changes of `foot`, `down` and the old inverse
+    /// depth.
     fn change(&self, foot: [S; 3], down: [S; 3], inverse_depth: S) -> [S; 3] {
         let ([_, y, _], [_, down_y, _], [_, dy, _]) = (foot, down, self.down);
         let along = (y - self.along * down_y) / dy;

@@ -20,23 +20,25 @@ use crate::setup::Setup;
 /// The edges of earlier frames, at most `LANDMARKS`, each updated where a frame shows it again.
 ///
 /// A single frame cannot tell a leaning edge from a near one; in several, parallax grows and the lean repeats, so that
-/// a few frames of a moving camera make the tilt known and sigma falls accordingly. Each frame's knots enter the same least
-/// squares as in a single frame, with the earlier frames as three prior equations: memory does not grow with time.
+/// a few frames of a moving camera make the tilt known and sigma falls accordingly. Each frame's knots enter the same
+/// least squares as in a single frame, with the earlier frames as three prior equations: memory does not grow with
+/// time.
 ///
-/// A line is associated with the landmark that predicts it; the likeliest pairs come first. The stated errors of speed and
-/// rotation are correlated over about a second, so that they do not average out over its frames, and drift over longer
-/// times; so sigma does not shrink for ever.
+/// A line is associated with the landmark that predicts it; the likeliest pairs come first. The stated errors of speed
+/// and rotation are correlated over about a second, so that they do not average out over its frames, and drift over
+/// longer times; so sigma does not shrink for ever.
 ///
-/// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither: these
-/// rows are left out, and a new edge there becomes a landmark once most of it stands clear.
+/// Where two edges at different depths pass within eight pixels of each other, their columns are those of neither:
+/// these rows are left out, and a new edge there becomes a landmark once most of it stands clear.
 ///
 /// An object that moves at a constant velocity looks static at another distance as long as the camera's velocity is
 /// constant, too. Once speed or heading changes, it is not where it should be: its status is then
-/// [`Moving`](crate::RangeStatus::Moving), until 30 frames in a row have agreed with a static edge again. An object that is
-/// more than three pixels and four sigma off its prediction is taken for another edge.
+/// [`Moving`](crate::RangeStatus::Moving), until 30 frames in a row have agreed with a static edge again. An object
+/// that is more than three pixels and four sigma off its prediction is taken for another edge.
 ///
-/// *Room*: a landmark for each line of a frame that has a place in space, and a quarter more for edges that are hidden for a
-/// while (measured in docs/model.md, section 8.6). When the table is full, the landmark that has not been seen for longest goes first, a tentative one before all others.
+/// *Room*: a landmark for each line of a frame that has a place in space, and a quarter more for edges that are hidden
+/// for a while (measured in docs/model.md, section 8.6). When the table is full, the landmark that has not been seen
+/// for longest goes first, a tentative one before all others.
 ///
 /// *Memory*: 208 bytes for each landmark in `f32`, and 48.
 ///
@@ -99,17 +101,18 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         }
     }
 
-    /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges over in
-    /// no particular order. Call it once a frame, after [`Ranger::end_frame`]. Nobody else may take lines of that ranger, so
-    /// its table needs room for all lines of a frame. Call [`advance`](Self::advance) between two frames; without it, the
-    /// edges of earlier frames are forgotten.
+    /// Ranges all lines that a ranger has ready, each with what earlier frames have told of it, and hands the ranges
+    /// over in no particular order. Call it once a frame, after [`Ranger::end_frame`]. Nobody else may take lines of
+    /// that ranger, so its table needs room for all lines of a frame. Call [`advance`](Self::advance) between two
+    /// frames; without it, the edges of earlier frames are forgotten.
     ///
-    /// A frame that shows all known edges off alike is told by [`continuity`](Self::continuity): they are moved on by the time
-    /// that it was late, or forgotten where that cannot be told.
+    /// A frame that shows all known edges off alike is told by [`continuity`](Self::continuity): they are moved on by
+    /// the time that it was late, or forgotten where that cannot be told.
     ///
-    /// *Cost*: for each landmark a prediction; for each line one fit as in [`Range::from_line`] or two, and a comparison with each
-    /// landmark of its polarity that is predicted within its reach: four sigma, at least 32 pixels. For at most 32 landmarks
-    /// another comparison; only in a frame that does not follow on, these with all lines, and all predictions again.
+    /// *Cost*: for each landmark a prediction; for each line one fit as in [`Range::from_line`] or two, and a
+    /// comparison with each landmark of its polarity that is predicted within its reach: four sigma, at least 32
+    /// pixels. For at most 32 landmarks another comparison; only in a frame that does not follow on, these with all
+    /// lines, and all predictions again.
     pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
         &mut self,
         setup: &Setup<S>,
@@ -141,8 +144,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.landmarks.count_missed();
     }
 
-    /// Propagates to the next frame's start: the `pose` of the camera there in the axes of this frame's start, the time in
-    /// between, and gravity in the camera's axes there, of any length. What is then beside or behind the camera is
+    /// Propagates to the next frame's start: the `pose` of the camera there in the axes of this frame's start, the time
+    /// in between, and gravity in the camera's axes there, of any length. What is then beside or behind the camera is
     /// forgotten. Call it between any two frames, also after a torn one.
     ///
     /// *Errors*: a gravity without direction; nothing has changed then.
@@ -165,8 +168,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         Ok(())
     }
 
-    /// Learns the vertical from the edges that several frames have shown, and takes it over for all of them: what their lines
-    /// in the image are stays. Call it after a frame whose motion has the `gravity` of this vertical.
+    /// Learns the vertical from the edges that several frames have shown, and takes it over for all of them: what their
+    /// lines in the image are stays. Call it after a frame whose motion has the `gravity` of this vertical.
     ///
     /// *Cost*: 12 rounds of some 50 operations for each landmark.
     pub fn learn_vertical(&mut self, setup: &Setup<S>, vertical: &mut Vertical<S>) {
@@ -199,8 +202,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         self.dropped_lines
     }
 
-    /// Associates the lines of a frame with the landmarks, which are moved on where the frame was taken at another time than
-    /// told.
+    /// Associates the lines of a frame with the landmarks, which are moved on where the frame was taken at another time
+    /// than told.
     #[inline(never)]
     fn associate<'l, M: Motion<S>, const KNOTS: usize>(
         &mut self,
@@ -296,8 +299,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         landmark.name(range, most_chance, is_unsure)
     }
 
-    /// The columns of a line, and which of its samples lie so near to a known edge at another depth that the two blend: their
-    /// columns are those of neither. `None` where its ends are no rays.
+    /// The columns of a line, and which of its samples lie so near to a known edge at another depth that the two blend:
+    /// their columns are those of neither. `None` where its ends are no rays.
     #[inline(never)]
     fn blend<M: Motion<S>, const KNOTS: usize>(
         &mut self,

@@ -5,16 +5,16 @@
 /// Largest distance at which a line is still the edge, in sigmas: chance leaves out one of 3000.
 pub(super) const GATE_SIGMAS: i32 = 4;
 
-/// One sigma of how much the contrast of an edge changes from frame to frame, in hundredths of itself: 0.07 for two thirds of real
-/// edges and 0.26 for all but one of 20, while those of different edges differ by a factor of three
+/// One sigma of how much the contrast of an edge changes from frame to frame, in hundredths of itself: 0.07 for two
+/// thirds of real edges and 0.26 for all but one of 20, while those of different edges differ by a factor of three
 /// (`cargo test contrast_tells_edges_apart`).
 pub(super) const CONTRAST_PERCENT: i32 = 15;
 
 /// A contrast counts for no more sigmas than this: backgrounds and lights change.
 pub(super) const MOST_CONTRAST_SIGMAS: i32 = 3;
 
-/// So far off may a line of the edge be for each sigma of the gate, in quarters of a pixel: edges bend, backgrounds and neighbours
-/// draw their columns aside, and what moves should still be recognised.
+/// So far off may a line of the edge be for each sigma of the gate, in quarters of a pixel: edges bend, backgrounds and
+/// neighbours draw their columns aside, and what moves should still be recognised.
 pub(super) const OFF_QUARTERS_PX: i32 = 3;
 
 /// Error of a line's own column, in tenths of a pixel: what real edges wander in the median.
@@ -23,12 +23,12 @@ pub(super) const COLUMN_DECIPIXELS: i32 = 1;
 /// A line more sigmas off than this is not where a static edge can be.
 pub(super) const STATIC_SIGMAS: i32 = 5;
 
-/// A third frame that is more sigmas off does not go on from two whose time was unsure: five would leave a depth that is as many
-/// sigmas off (`cargo test a_frame_lost_before_the_second`).
+/// A third frame that is more sigmas off does not go on from two whose time was unsure: five would leave a depth that
+/// is as many sigmas off (`cargo test a_frame_lost_before_the_second`).
 pub(super) const DOUBTFUL_SIGMAS: i32 = 3;
 
-/// Parts of an edge wander from its line, one sigma as a part of a pixel: 0.1 px in the median of real edges, 0.21 px in one of
-/// ten.
+/// Parts of an edge wander from its line, one sigma as a part of a pixel: 0.1 px in the median of real edges, 0.21 px
+/// in one of ten.
 pub(super) const WANDER_PARTS_PX: i32 = 4;
 
 /// Half the width of the strip beside a prediction in which parallel lines are counted.
@@ -45,22 +45,23 @@ pub(super) const LEAST_SAMPLES: usize = 3;
 /// Frames that must agree on an edge that no single one shows well: in two, time and depth are the same.
 pub(super) const TELLING_FRAMES: u32 = 3;
 
-/// Tentative edges of a frame that may come to be told although their lines agree by chance: an upper bound, since most lines are
-/// those of edges.
+/// Tentative edges of a frame that may come to be told although their lines agree by chance: an upper bound, since most
+/// lines are those of edges.
 pub(super) const CHANCE_EDGES: i32 = 1;
 
-/// Frames in a row that must agree with a static edge before one that has moved counts as static again: a second, at usual rates.
+/// Frames in a row that must agree with a static edge before one that has moved counts as static again: a second, at
+/// usual rates.
 pub(super) const HOLD_OFF_FRAMES: u16 = 30;
 
 /// A landmark that is missed in more frames in a row is forgotten: a second, at usual rates.
 pub(super) const MOST_MISSED: u16 = 30;
 
-/// One sigma of the time between two frames which no other edge has shown to be right, as a part of it: after a lost frame all is
-/// twice as far as it seems, which is within two sigma of an inverse depth that is good to this part.
+/// One sigma of the time between two frames which no other edge has shown to be right, as a part of it: after a lost
+/// frame all is twice as far as it seems, which is within two sigma of an inverse depth that is good to this part.
 pub(super) const UNSURE_TIME: (i32, i32) = (3, 10);
 
-/// How far backgrounds and neighbours that change from frame to frame draw the column of a whole edge aside, in units of the
-/// roughness of edges: 0.09 px in the median of real edges, at 0.03 px of roughness.
+/// How far backgrounds and neighbours that change from frame to frame draw the column of a whole edge aside, in units
+/// of the roughness of edges: 0.09 px in the median of real edges, at 0.03 px of roughness.
 pub(super) const DRIFT_PER_ROUGHNESS: i32 = 3;
 
 // Frames that do not follow on (section 8.9)
@@ -119,7 +120,8 @@ pub(super) const USUAL_DECI_PER_M: i32 = 3;
 /// Rounds of the reweighted least squares.
 pub(super) const ROUNDS: usize = 12;
 
-/// How fast a vertical becomes uncertain, in thousandths of a radian per second: mounts give way, wheels roll over bumps.
+/// How fast a vertical becomes uncertain, in thousandths of a radian per second: mounts give way, wheels roll over
+/// bumps.
 pub(super) const DRIFT_MILLIRADIANS_PER_S: i32 = 5;
 
 /// Better is never claimed, in ten thousandths of a radian: house fronts lean together.

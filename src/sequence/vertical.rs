@@ -15,8 +15,8 @@ use crate::setup::Setup;
 /// The direction of down in the camera's axes, learned from edges.
 ///
 /// Planes through the camera and an upright edge all contain the vertical. In one frame the lines that agree best on a
-/// vertical tell it to a degree or so, but for what the motion adds to their slopes; parallax then tells the lean of each
-/// edge apart from its distance, and what these leans have in common is the error of the vertical.
+/// vertical tell it to a degree or so, but for what the motion adds to their slopes; parallax then tells the lean of
+/// each edge apart from its distance, and what these leans have in common is the error of the vertical.
 ///
 /// Take [`gravity`](Self::gravity) for the motion of the next frame, and [`sigma_rad`](Self::sigma_rad) for
 /// [`Uncertainty::sigma_gravity`](crate::Uncertainty::sigma_gravity).
@@ -72,8 +72,8 @@ impl<S: Scalar> Vertical<S> {
         self.is_told
     }
 
-    /// Takes the vertical on which most of the lines of a frame agree; at least five have to, else nothing changes and the
-    /// answer is false. For the first frame, when nothing better is known.
+    /// Takes the vertical on which most of the lines of a frame agree; at least five have to, else nothing changes and
+    /// the answer is false. For the first frame, when nothing better is known.
     ///
     /// *Cost*: a ray for each line, and 50 000 scalar products.
     pub fn begin<'l, M: Motion<S>, const KNOTS: usize>(
@@ -102,8 +102,8 @@ impl<S: Scalar> Vertical<S> {
         true
     }
 
-    /// From the lines of a single frame: where their blur tells their leans apart from their distances. `None` where fewer
-    /// than five lines tell, or where they tell it no better than to a degree.
+    /// From the lines of a single frame: where their blur tells their leans apart from their distances. `None` where
+    /// fewer than five lines tell, or where they tell it no better than to a degree.
     ///
     /// *Cost*: a fit for each line.
     #[must_use]
@@ -141,8 +141,8 @@ impl<S: Scalar> Vertical<S> {
         }
     }
 
-    /// Roll and pitch by reweighted least squares, in which what does not agree loses its weight. `None` where fewer than five
-    /// edges agree, or all have the same bearing.
+    /// Roll and pitch by reweighted least squares, in which what does not agree loses its weight. `None` where fewer
+    /// than five edges agree, or all have the same bearing.
     fn fitted<I: Iterator<Item = EdgePlane<S>>>(&self, planes: impl Fn() -> I) -> Option<Self> {
         let mut gravity = self.gravity;
         let mut sigma = S::UNKNOWN;

@@ -76,8 +76,8 @@ pub struct Ray<S> {
     pub dw_dcolumn: S,
 }
 
-/// The rays of a stretch of pixels `(u, w, 1)`: the mean of those at its ends and half their difference, and the change by a
-/// pixel along the row.
+/// The rays of a stretch of pixels `(u, w, 1)`: the mean of those at its ends and half their difference, and the change
+/// by a pixel along the row.
 pub(crate) struct RaySpan<S> {
     pub(crate) middle: [S; 2],
     pub(crate) half: [S; 2],
@@ -161,9 +161,9 @@ impl<S: Scalar> Camera<S> {
         &self.distortion
     }
 
-    /// Whether a point lies in the image: its row is one of the image's, and its column, in 1/65536 px, is at most a pixel
-    /// beyond the outermost pixel centres. Detectors that count from the pixels' corners put an edge at the border half a
-    /// pixel beyond them.
+    /// Whether a point lies in the image: its row is one of the image's, and its column, in 1/65536 px, is at most a
+    /// pixel beyond the outermost pixel centres. Detectors that count from the pixels' corners put an edge at the
+    /// border half a pixel beyond them.
     #[must_use]
     pub const fn contains(&self, column_q16: i32, row: u16) -> bool {
         const ONE: i32 = 1 << 16;
@@ -171,8 +171,8 @@ impl<S: Scalar> Camera<S> {
         column_q16 >= -ONE && column_q16 <= width && row < self.intrinsics.rows
     }
 
-    /// The direction in which the pixel at `column`, `row` looks; `None` where the model of the lens folds over, which is
-    /// well outside the image.
+    /// The direction in which the pixel at `column`, `row` looks; `None` where the model of the lens folds over, which
+    /// is well outside the image.
     ///
     /// *Cost*: four operations, or an inversion of the distortion: 100 to 300.
     #[must_use]

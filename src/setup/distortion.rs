@@ -2,12 +2,11 @@
 
 use crate::scalar::Scalar;
 
-/// Radial `k1` to `k3`, in the rational model divided by `k4` to `k6`, and tangential `p1`, `p2`. All zero, the default, is
-/// a lens without distortion.
+/// Radial `k1` to `k3`, in the rational model divided by `k4` to `k6`, and tangential `p1`, `p2`. All zero, the
+/// default, is a lens without distortion.
 ///
-/// A point at `(u, w)` with r² = u² + w² is recorded at
-/// `u (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) + 2 p1 u w + p2 (r² + 2u²)`, and likewise downwards with
-/// `p1` and `p2` exchanged.
+/// A point at `(u, w)` with r² = u² + w² is recorded at `u (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶) +
+/// 2 p1 u w + p2 (r² + 2u²)`, and likewise downwards with `p1` and `p2` exchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -148,8 +147,8 @@ impl<S: Scalar> Distortion<S> {
         [radial, (rise - radial * fall) / denominator]
     }
 
-    /// From the recorded to the ideal point, by Newton's method, which starts at the recorded one. The Jacobian is that of
-    /// this *inverse* mapping. `None` where the model folds over.
+    /// From the recorded to the ideal point, by Newton's method, which starts at the recorded one. The Jacobian is that
+    /// of this *inverse* mapping. `None` where the model folds over.
     ///
     /// *Cost*: two to five steps of about 60 operations for real lenses.
     pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<S>> {

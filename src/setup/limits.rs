@@ -11,29 +11,29 @@ pub struct Limits {
     /// Steepest slope of a line when it is confirmed, in 1/65536 px of column per row.
     pub max_slope_q16: u32,
     /// Half-width of the gate: how far a point may lie from the predicted column, beyond four sigma of its noise, in
-    /// 1/65536 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows of pixels the gate
-    /// is also at most four sigma of the scatter of the line's own points.
+    /// 1/65536 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows of pixels the
+    /// gate is also at most four sigma of the scatter of the line's own points.
     pub gate_q16: u32,
     /// Points after which a tentative line is confirmed.
     pub confirm_points: u16,
     /// Consecutive rows without a point after which a tentative line is dropped.
     pub tentative_gap_rows: u16,
     /// Consecutive rows without a point after which a confirmed line ends. A long line may be hidden for longer: by two
-    /// more rows for each of its points if they were found in rows of pixels, by half a row for each if they were handed
-    /// over as points.
+    /// more rows for each of its points if they were found in rows of pixels, by half a row for each if they were
+    /// handed over as points.
     pub gap_rows: u16,
     /// Points that make a range: a line of fewer is [`Short`](crate::RangeStatus::Short).
     pub min_points: u16,
-    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`: by two sigma of its
-    /// noise beyond it. Smaller departures enlarge sigma instead.
+    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`: by two
+    /// sigma of its noise beyond it. Smaller departures enlarge sigma instead.
     pub max_departure_q16: u32,
     /// In a sequence whose parallax has measured it, an edge may lean by this slope, in 1/65536, and stay `ok`.
     pub max_lean_q16: u32,
 }
 
 impl Limits {
-    /// Slopes up to one pixel per row; a gate of 2 px; 5 points confirm a line and 8 make a range; gaps of 2 rows before and
-    /// 12 rows after a line is confirmed; 1.5 px of departure; 5° of lean.
+    /// Slopes up to one pixel per row; a gate of 2 px; 5 points confirm a line and 8 make a range; gaps of 2 rows
+    /// before and 12 rows after a line is confirmed; 1.5 px of departure; 5° of lean.
     pub const DEFAULT: Self = Self {
         max_slope_q16: 1 << 16,
         gate_q16: 2 << 16,

@@ -3,8 +3,8 @@
 use crate::error::ParameterError;
 use crate::scalar::Scalar;
 
-/// The exposure and the lens's own blur. With them the blur of an edge becomes a measurement of its motion, which tells a
-/// leaning edge from a moving one.
+/// The exposure and the lens's own blur. With them the blur of an edge becomes a measurement of its motion, which tells
+/// a leaning edge from a moving one.
 ///
 /// A moving edge is smeared over its path during the exposure, whatever its lean; a slope without that blur is a lean.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,8 +19,8 @@ pub struct MotionBlur<S> {
     /// One standard deviation of `lens_blur_px`, in pixels.
     pub sigma_lens_blur_px: S,
     /// How far the width of an edge can be trusted: one sigma of ln(measured / expected width). `None`: 0.02 where
-    /// [`Response::Linear`](crate::Response::Linear) is stated, else 0.25, since what a camera does to its pixels changes
-    /// widths by 5 to 50 %. That is common to all edges of a frame: from 0.25 on, a width may refuse a slope as
+    /// [`Response::Linear`](crate::Response::Linear) is stated, else 0.25, since what a camera does to its pixels
+    /// changes widths by 5 to 50 %. That is common to all edges of a frame: from 0.25 on, a width may refuse a slope as
     /// [`Leaning`](crate::RangeStatus::Leaning), but takes no part in the depth.
     pub sigma_blur: Option<S>,
 }

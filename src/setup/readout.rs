@@ -17,9 +17,9 @@ pub enum ReadoutDirection {
 /// Line time, number of rows and direction of a rolling shutter.
 ///
 /// The line time runs from the start of one row to the start of the next, *per row of the output image*: a sensor that
-/// skips or scales rows spends several of its own line times on one row of the image. It is neither the exposure nor the
-/// frame interval divided by the number of rows. A row's time is the middle of its exposure, counted from that of the row
-/// read first.
+/// skips or scales rows spends several of its own line times on one row of the image. It is neither the exposure nor
+/// the frame interval divided by the number of rows. A row's time is the middle of its exposure, counted from that of
+/// the row read first.
 ///
 /// ```
 /// use shutter_range::{Readout, ReadoutDirection};

@@ -3,8 +3,8 @@
 /// How the grey levels of the pixels follow the light, the tone curve.
 ///
 /// A blurred edge is symmetric in light. A curve that is not a straight line skews it, alike in all rows as long as the
-/// contrast is; where that changes along the edge, the columns follow it. A known curve is undone where the pixels of an
-/// edge are read, at one table look-up each.
+/// contrast is; where that changes along the edge, the columns follow it. A known curve is undone where the pixels of
+/// an edge are read, at one table look-up each.
 ///
 /// A camera that sharpens or compresses has no response of this kind: leave it unknown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -13,7 +13,8 @@ use crate::scalar::Scalar;
 
 /// Camera, readout, uncertainty and limits that go together.
 ///
-/// The motion is no part of it: it is measured anew for every frame and has its own check ([`Twist::new`](crate::Twist::new)).
+/// The motion is no part of it: it is measured anew for every frame and has its own check
+/// ([`Twist::new`](crate::Twist::new)).
 ///
 /// ```
 /// use shutter_range::{Setup, Uncertainty};
@@ -97,8 +98,8 @@ impl<S: Scalar> Setup<S> {
         Ok(Self { motion_blur: Some(motion_blur), ..self })
     }
 
-    /// The same for a frame of another exposure, in seconds: automatic exposure sets it anew for each. What was stated of
-    /// the lens stays; without that it is an unknown one.
+    /// The same for a frame of another exposure, in seconds: automatic exposure sets it anew for each. What was stated
+    /// of the lens stays; without that it is an unknown one.
     ///
     /// Range a frame with the exposure that its rows had: with most sensors one that is set counts two frames later.
     ///
@@ -172,15 +173,15 @@ impl<S: Scalar> Setup<S> {
         &self.response
     }
 
-    /// How far the width of an edge can be trusted, as a sigma of its logarithm: as stated with the motion blur, or 0.02
-    /// where the pixels are stated to be linear and 0.25 where they are not.
+    /// How far the width of an edge can be trusted, as a sigma of its logarithm: as stated with the motion blur, or
+    /// 0.02 where the pixels are stated to be linear and 0.25 where they are not.
     pub(crate) fn sigma_blur(&self) -> S {
         let stated = self.motion_blur.as_ref().and_then(|blur| blur.sigma_blur);
         stated.unwrap_or_else(|| if self.response.is_linear() { S::ratio(1, 50) } else { Self::sigma_blur_unknown() })
     }
 
-    /// Whether widths can be trusted better than those of an unknown camera. If not, a width may refuse a slope, but takes no part
-    /// in the depth: what a camera does to one edge it does to all of them.
+    /// Whether widths can be trusted better than those of an unknown camera. If not, a width may refuse a slope, but
+    /// takes no part in the depth: what a camera does to one edge it does to all of them.
     pub(crate) fn widths_are_known(&self) -> bool {
         self.sigma_blur() < Self::sigma_blur_unknown()
     }

@@ -8,8 +8,9 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum StampPolicy {
-    /// The stamps, if they rise with the rows at the pace of the readout. Where they do not, in ticks, in blocks or late, the
-    /// readout tells the time of the whole frame. A stamp outside the frame that the readout allows is an error.
+    /// The stamps, if they rise with the rows at the pace of the readout. Where they do not, in ticks, in blocks or
+    /// late, the readout tells the time of the whole frame. A stamp outside the frame that the readout allows is an
+    /// error.
     #[default]
     Checked,
     /// The stamps as they are: for a readout that is not known well.

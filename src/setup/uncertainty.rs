@@ -10,9 +10,9 @@ use crate::scalar::{Scalar, hypot};
 #[non_exhaustive]
 pub struct Uncertainty<S> {
     /// Lean of each edge in the image plane, as a slope (radians). In one frame nothing but this prior tells a leaning
-    /// edge from a near one. 0.1° is what the paper's field test shows; masonry and poles lean by 0.1 to 0.3°, the sides of
-    /// tapered lamp posts by 0.35°, garden fences by 1°. An edge that leans by more than four times as much is `Leaning`.
-    /// Zero: every edge is taken to be upright.
+    /// edge from a near one. 0.1° is what the paper's field test shows; masonry and poles lean by 0.1 to 0.3°, the
+    /// sides of tapered lamp posts by 0.35°, garden fences by 1°. An edge that leans by more than four times as much is
+    /// `Leaning`. Zero: every edge is taken to be upright.
     pub sigma_tilt: S,
     /// Direction of gravity, in roll and in pitch, in radians.
     pub sigma_gravity: S,
@@ -24,13 +24,13 @@ pub struct Uncertainty<S> {
     pub sigma_readout: S,
     /// Relative error of the focal length.
     pub sigma_focal: S,
-    /// How far edges wander from a straight line, one standard deviation in pixels, alike over some sixteen rows. What a line
-    /// shows beyond it is added by itself; this is the floor. 0.03 px unless you know better; zero means that edges are
-    /// straight.
+    /// How far edges wander from a straight line, one standard deviation in pixels, alike over some sixteen rows. What
+    /// a line shows beyond it is added by itself; this is the floor. 0.03 px unless you know better; zero means that
+    /// edges are straight.
     pub edge_roughness_px: S,
-    /// The time between two frames of a sequence, in seconds. 0.1 ms unless you know better. Zero: none is ever lost, late or
-    /// early. Otherwise the second frame that shows an edge tells its depth to a third at best by parallax, unless other edges
-    /// show that the time was right.
+    /// The time between two frames of a sequence, in seconds. 0.1 ms unless you know better. Zero: none is ever lost,
+    /// late or early. Otherwise the second frame that shows an edge tells its depth to a third at best by parallax,
+    /// unless other edges show that the time was right.
     pub sigma_time_s: S,
 }
 
@@ -103,7 +103,8 @@ impl<S: Scalar> Uncertainty<S> {
         self
     }
 
-    /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and bearing times the camera's pitch.
+    /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and bearing times the camera's
+    /// pitch.
     pub(crate) fn sigma_tilt_at(&self, bearing: S) -> S {
         if self.sigma_gravity == S::ZERO {
             return self.sigma_tilt;
@@ -131,8 +132,8 @@ impl<S: Scalar> Uncertainty<S> {
 }
 
 impl<S: Scalar> Default for Uncertainty<S> {
-    /// What a careful amateur knows: edges upright to 0.1° and straight to 0.03 px, speed to 2 %, readout and focal length to
-    /// 1 %, the time between frames to 0.1 ms if none is lost; gravity and rotation exactly.
+    /// What a careful amateur knows: edges upright to 0.1° and straight to 0.03 px, speed to 2 %, readout and focal
+    /// length to 1 %, the time between frames to 0.1 ms if none is lost; gravity and rotation exactly.
     fn default() -> Self {
         Self {
             sigma_tilt: S::ratio(1_745, 1_000_000),

@@ -6,11 +6,11 @@ use super::shading::Shading;
 use super::view::Vector;
 use crate::error::ParameterError;
 
-/// A bar, upright or leaning; a thin one is a rod. It is straight and of constant grey unless its contour and its shading
-/// say otherwise.
+/// A bar, upright or leaning; a thin one is a rod. It is straight and of constant grey unless its contour and its
+/// shading say otherwise.
 ///
-/// Its middle line passes through the point `(bearing · depth_m, 0, depth_m)` in the axes of the first frame's start and
-/// follows gravity, or leans from it within the image plane. Both edges are at that depth.
+/// Its middle line passes through the point `(bearing · depth_m, 0, depth_m)` in the axes of the first frame's start
+/// and follows gravity, or leans from it within the image plane. Both edges are at that depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

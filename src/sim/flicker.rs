@@ -3,8 +3,8 @@
 use super::checked::check;
 use crate::error::ParameterError;
 
-/// How the light of a scene flickers. Its mean brightness is that of the scene's levels, so that pulses are brighter than
-/// them by 1/duty.
+/// How the light of a scene flickers. Its mean brightness is that of the scene's levels, so that pulses are brighter
+/// than them by 1/duty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -43,9 +43,9 @@ impl Softness {
 const LEAST_SIGMA_PX: f32 = 0.05;
 
 impl RowView<'_> {
-    /// A step from its positions at the three instants of the exposure and the slope of the edge. Its position is Simpson's
-    /// mean of the three, its motion the distance of the outer two. Along the row, a slanted edge is blurred more: the lens
-    /// blurs across the edge, and the pixel has a height.
+    /// A step from its positions at the three instants of the exposure and the slope of the edge. Its position is
+    /// Simpson's mean of the three, its motion the distance of the outer two. Along the row, a slanted edge is blurred
+    /// more: the lens blurs across the edge, and the pixel has a height.
     fn blurred(&self, [start, middle, end]: [f64; 3], slope: f64) -> BlurredStep {
         let slope = slope as f32;
         let s2 = slope * slope;
@@ -173,7 +173,8 @@ fn bar_shape(bar: &Bar, view: &RowView<'_>) -> Option<(Shape, Option<Shade>)> {
     (!passes).then(|| (Shape::Bar { edges: edges.map(Walk::new), height }, shade))
 }
 
-/// A rail's edge along the row, as a step down each column: linear in the column, since a projection keeps lines straight.
+/// A rail's edge along the row, as a step down each column: linear in the column, since a projection keeps lines
+/// straight.
 struct Slant {
     /// The step in column 0.
     first: BlurredStep,

@@ -3,16 +3,17 @@
 //!
 //! [`Scene`] holds upright and leaning bars, rods and rails before a background; [`Simulator`] moves a camera past it
 //! and yields each pixel row with the blur of its exposure, that of the lens, shot noise and read noise;
-//! [`Simulator::truth`] says where the edges really are. [`Bar`]s may be as the world has them: rough, bowed, tapered, or
-//! round and lit from the side; and a [`Pipeline`] does to the rows what cameras do before they deliver them: tone curves,
-//! sharpening, denoising, a colour mosaic, the sensor's columns. Lamps may [`Flicker`]. [`Simulator::row_in`] gives a row
-//! in any [`PixelFormat`](crate::format::PixelFormat). Any row comes out with the same bits, in any order, on a
-//! desktop and on a board: a pixel depends on nothing but the parameters, the seed, the frame, the row and the column.
+//! [`Simulator::truth`] says where the edges really are. [`Bar`]s may be as the world has them: rough, bowed, tapered,
+//! or round and lit from the side; and a [`Pipeline`] does to the rows what cameras do before they deliver them: tone
+//! curves, sharpening, denoising, a colour mosaic, the sensor's columns. Lamps may [`Flicker`]. [`Simulator::row_in`]
+//! gives a row in any [`PixelFormat`](crate::format::PixelFormat). Any row comes out with the same bits, in any order,
+//! on a desktop and on a board: a pixel depends on nothing but the parameters, the seed, the frame, the row and the
+//! column.
 //!
-//! It is written from the physics and shares no formula with the estimator: it intersects the plane of a row's rays with
-//! each edge in space, at the start, the middle and the end of the row's exposure. The blur has a closed form: the box of
-//! the motion, convolved with the Gaussian of the lens and the box of the pixel. A nearer object hides that share of what
-//! is behind a pixel which it covers.
+//! It is written from the physics and shares no formula with the estimator: it intersects the plane of a row's rays
+//! with each edge in space, at the start, the middle and the end of the row's exposure. The blur has a closed form: the
+//! box of the motion, convolved with the Gaussian of the lens and the box of the pixel. A nearer object hides that
+//! share of what is behind a pixel which it covers.
 //!
 //! *Not rendered*: distortion (refused), blur and parallax of the background's texture, edges within 3° of a pixel row.
 //!

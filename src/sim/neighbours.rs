@@ -62,8 +62,8 @@ fn unsharp<const COLUMNS: usize>(
     }
 }
 
-/// The median of 3 × 3 pixels: with each column in order it is the median of the largest of the lowest, the median of the
-/// middle ones and the smallest of the highest.
+/// The median of 3 × 3 pixels: with each column in order it is the median of the largest of the lowest, the median of
+/// the middle ones and the smallest of the highest.
 pub(super) fn median<const COLUMNS: usize>(rows: &Rows<'_, COLUMNS>, out: &mut [u16; COLUMNS]) {
     for (column, value) in out.iter_mut().enumerate() {
         let [a, b, c, d, e, f, g, h, i] = nine(rows, column);
@@ -79,7 +79,8 @@ fn ordered([a, b, c]: [u16; 3]) -> [u16; 3] {
     [low.min(c), high.min(low.max(c)), high.max(c)]
 }
 
-/// A mean of 3 × 3 pixels, each weighted by 1/(1 + d²), d its difference to the middle one in sigmas, so that edges stay.
+/// A mean of 3 × 3 pixels, each weighted by 1/(1 + d²), d its difference to the middle one in sigmas, so that edges
+/// stay.
 pub(super) fn bilateral<const COLUMNS: usize>(rows: &Rows<'_, COLUMNS>, sigma: f32, out: &mut [u16; COLUMNS]) {
     let per_sigma = 1.0 / (256.0 * sigma);
     for (column, value) in out.iter_mut().enumerate() {
@@ -96,8 +97,8 @@ pub(super) fn bilateral<const COLUMNS: usize>(rows: &Rows<'_, COLUMNS>, sigma: f
     }
 }
 
-/// Grey from a Bayer mosaic of red and green in even rows, green and blue in odd ones: the two missing colours of a pixel
-/// are the means of their nearest pixels, and grey is 0.30 red, 0.59 green and 0.11 blue.
+/// Grey from a Bayer mosaic of red and green in even rows, green and blue in odd ones: the two missing colours of a
+/// pixel are the means of their nearest pixels, and grey is 0.30 red, 0.59 green and 0.11 blue.
 pub(super) fn demosaiced<const COLUMNS: usize>(number: usize, rows: &Rows<'_, COLUMNS>, out: &mut [u16; COLUMNS]) {
     const RED: u32 = 77;
     const GREEN: u32 = 150;

@@ -12,9 +12,9 @@ pub(super) const fn hash(key: u64, number: u64) -> u64 {
     mix(key ^ number.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15))
 }
 
-/// A normally distributed number of variance one from 64 random bits: the sum of eight bytes, whose short tails a fitted
-/// polynomial stretches. It agrees with the normal distribution to 0.01 % of its variance, 0.001 of its kurtosis, 1 % of
-/// the share beyond 3 sigma and 8 % of that beyond 4 sigma; the largest value is 6.1.
+/// A normally distributed number of variance one from 64 random bits: the sum of eight bytes, whose short tails a
+/// fitted polynomial stretches. It agrees with the normal distribution to 0.01 % of its variance, 0.001 of its
+/// kurtosis, 1 % of the share beyond 3 sigma and 8 % of that beyond 4 sigma; the largest value is 6.1.
 pub(super) fn gaussian(bits: u64) -> f32 {
     const LOW: u64 = 0x00FF_00FF_00FF_00FF;
     const LANES: u64 = 0x0001_0001_0001_0001;
@@ -30,8 +30,9 @@ pub(super) fn gaussian(bits: u64) -> f32 {
 mod tests {
     use super::{gaussian, mix};
 
-    /// Each bound is about four sigma of the statistic over four million numbers (√(1/n), √(2/n), √(15/n), √(96/n) for the
-    /// moments, √(1/np) for a share p), but for the shares beyond 1 and 2 sigma, which may be 1 % off as documented.
+    /// Each bound is about four sigma of the statistic over four million numbers (√(1/n), √(2/n), √(15/n), √(96/n) for
+    /// the moments, √(1/np) for a share p), but for the shares beyond 1 and 2 sigma, which may be 1 % off as
+    /// documented.
     #[test]
     fn gaussian_numbers_have_the_moments_and_tails_of_the_normal_distribution() {
         let count = 4_000_000_u64;

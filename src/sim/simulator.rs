@@ -21,8 +21,8 @@ use crate::setup::{Camera, Distortion, Readout};
 
 /// Yields the pixel rows that a rolling-shutter camera would record of a [`Scene`].
 ///
-/// The motion continues without end: [`Simulator::at_frame`] gives any later frame. All random numbers depend on nothing
-/// but seed, frame, row and column, so rows can be rendered in any order and any number of times.
+/// The motion continues without end: [`Simulator::at_frame`] gives any later frame. All random numbers depend on
+/// nothing but seed, frame, row and column, so rows can be rendered in any order and any number of times.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Simulator<'a, const OBJECTS: usize> {
@@ -44,10 +44,11 @@ pub struct Simulator<'a, const OBJECTS: usize> {
 }
 
 impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
-    /// A simulator at frame 0, which starts at time zero. `motion` and the objects of the scene are in the axes of its start.
+    /// A simulator at frame 0, which starts at time zero. `motion` and the objects of the scene are in the axes of its
+    /// start.
     ///
-    /// *Errors*: a camera with distortion, which is not simulated; a readout with another number of rows than the camera; an
-    /// exposure outside the limits of its fields.
+    /// *Errors*: a camera with distortion, which is not simulated; a readout with another number of rows than the
+    /// camera; an exposure outside the limits of its fields.
     pub fn new(
         scene: &'a Scene<OBJECTS>,
         camera: &Camera<f32>,
@@ -93,16 +94,16 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         })
     }
 
-    /// The same at another frame: `frame` is its number, which selects the noise and nothing else, and `start_ns` the time of
-    /// its start (the middle of the exposure of the row read first) in nanoseconds since the start of frame 0.
+    /// The same at another frame: `frame` is its number, which selects the noise and nothing else, and `start_ns` the
+    /// time of its start (the middle of the exposure of the row read first) in nanoseconds since the start of frame 0.
     #[must_use]
     pub const fn at_frame(self, frame: u32, start_ns: i64) -> Self {
         Self { frame, start_ns, ..self }
     }
 
-    /// The same with a lens that is softer (or sharper) towards the corners: its blur at the image's farthest corner, one
-    /// sigma in pixels, 0 to 20. In between its square grows with the square of the distance from the principal point.
-    /// It shows on the edges of bars, not on rails and ends.
+    /// The same with a lens that is softer (or sharper) towards the corners: its blur at the image's farthest corner,
+    /// one sigma in pixels, 0 to 20. In between its square grows with the square of the distance from the principal
+    /// point. It shows on the edges of bars, not on rails and ends.
     ///
     /// *Errors*: a blur outside these limits.
     pub fn with_corner_blur(self, psf_sigma_px: f32) -> Result<Self, ParameterError> {
@@ -153,8 +154,8 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         Twist::new(velocity, rate, gravity)
     }
 
-    /// Renders one row of the image into `pixels`, from column 0 on: as many pixels as the image has columns, or as there is
-    /// room for; any further pixels are left as they are. A row beyond the image counts as the last one.
+    /// Renders one row of the image into `pixels`, from column 0 on: as many pixels as the image has columns, or as
+    /// there is room for; any further pixels are left as they are. A row beyond the image counts as the last one.
     ///
     /// *Cost*: for each object three projections of two lines in double precision; for each column one hash and a few
     /// operations for each object; for each pixel within reach of an edge (4.5 sigma of the lens and half of the motion
@@ -180,8 +181,8 @@ impl<'a, const OBJECTS: usize> Simulator<'a, OBJECTS> {
         });
     }
 
-    /// As [`row`](Self::row), but as the sensor delivers it in a format: [`PixelFormat::row_bytes`] bytes, or as many as
-    /// there is room for. A mosaic is RGGB and shows the colours of [`Simulator::with_tint`]; all else is grey.
+    /// As [`row`](Self::row), but as the sensor delivers it in a format: [`PixelFormat::row_bytes`] bytes, or as many
+    /// as there is room for. A mosaic is RGGB and shows the colours of [`Simulator::with_tint`]; all else is grey.
     pub fn row_in(&self, row: u16, format: PixelFormat, bytes: &mut [u8]) {
         let tint = if format.is_mosaic() { self.tint } else { Tint::NEUTRAL };
         let mut encoder = RowEncoder::new(format, bytes);

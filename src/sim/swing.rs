@@ -7,8 +7,9 @@ use crate::error::ParameterError;
 
 /// How a camera turns back and forth about the direction of down, beside its other motion.
 ///
-/// At time zero it looks ahead and turns the fastest. A second swing of a quarter of the angle and 2.3 times the frequency
-/// lies over the first: of a single one, acceleration and angle are in proportion, which looks like a pitch of the camera.
+/// At time zero it looks ahead and turns the fastest. A second swing of a quarter of the angle and 2.3 times the
+/// frequency lies over the first: of a single one, acceleration and angle are in proportion, which looks like a pitch
+/// of the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

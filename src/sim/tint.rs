@@ -5,8 +5,8 @@ use crate::error::ParameterError;
 
 /// How bright red, green and blue are where the scene has a grey level: `offset + gain × level`, in grey levels.
 ///
-/// Different gains are light of a colour; different offsets make dark things of another colour than bright ones. The edge of
-/// two levels is an edge of two colours, blurred alike in each.
+/// Different gains are light of a colour; different offsets make dark things of another colour than bright ones. The
+/// edge of two levels is an edge of two colours, blurred alike in each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

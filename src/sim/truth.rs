@@ -26,8 +26,8 @@ pub struct Truth {
     pub last_row: u16,
     /// How many rows show the edge; fewer than from first to last where a nearer object hides some.
     pub visible_rows: u16,
-    /// The edge's lean as a slope, its bar's taper included. Zero is upright; only upright edges have a distance that can be
-    /// measured.
+    /// The edge's lean as a slope, its bar's taper included. Zero is upright; only upright edges have a distance that
+    /// can be measured.
     pub lean: f32,
 }
 
@@ -40,11 +40,11 @@ impl Truth {
 }
 
 impl<const OBJECTS: usize> Simulator<'_, OBJECTS> {
-    /// The edges of bars that at least one row of this frame shows: the farthest bar first, its left edge before its right
-    /// one.
+    /// The edges of bars that at least one row of this frame shows: the farthest bar first, its left edge before its
+    /// right one.
     ///
-    /// *Cost*: for each edge and each row of the image one projection of every nearer object in double precision; up to a
-    /// few milliseconds on a desktop.
+    /// *Cost*: for each edge and each row of the image one projection of every nearer object in double precision; up to
+    /// a few milliseconds on a desktop.
     pub fn truth(&self) -> impl Iterator<Item = Truth> + '_ {
         edges(self)
     }

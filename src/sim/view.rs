@@ -110,7 +110,8 @@ pub(super) struct Crossing {
 }
 
 impl SeenLine {
-    /// Where the line meets the plane of a row's rays, y = w z. `None` where it lies along the row or behind the camera.
+    /// Where the line meets the plane of a row's rays, y = w z. `None` where it lies along the row or behind the
+    /// camera.
     pub(super) fn cross_row(&self, lens: &Lens, row: f64) -> Option<Crossing> {
         let (_, w) = lens.bearings(lens.cx, row);
         let ([fx, fy, fz], [ax, ay, az]) = (self.foot, self.along);
@@ -136,8 +137,8 @@ impl SeenLine {
         (z > NEAR_M && row.is_finite()).then_some(row)
     }
 
-    /// Rows of the two ends of the segment from one λ to another; for an end behind the camera, a row far outside the image
-    /// on its side. `None` where the whole segment is behind the camera.
+    /// Rows of the two ends of the segment from one λ to another; for an end behind the camera, a row far outside the
+    /// image on its side. `None` where the whole segment is behind the camera.
     pub(super) fn rows_of_ends(&self, lens: &Lens, from: f64, to: f64) -> Option<[f64; 2]> {
         const FAR: f64 = 1e6;
         let ([_, fy, fz], [_, ay, az]) = (self.foot, self.along);

@@ -1,5 +1,5 @@
-//! `cargo xtask microbit`: QVGA rows of the simulator to lines and to ranges on an M0 with 256 KiB of flash and 16 KiB of
-//! RAM, tables for 8 lines, within limits.
+//! `cargo xtask microbit`: QVGA rows of the simulator to lines and to ranges on an M0 with 256 KiB of flash and 16 KiB
+//! of RAM, tables for 8 lines, within limits.
 
 use anyhow::{Context, Result, ensure};
 

@@ -1,7 +1,8 @@
 //! [`Recipe`]: frames made to be dear, and the search for the dearest.
 //!
-//! Patterns of bars from a fine fence to a few blurred edges, that lean, jitter, begin anew and stand in noise and texture.
-//! A search by chance and mutation finds those with the dearest row; the winners are kept in `xtask/worst_rows.csv`.
+//! Patterns of bars from a fine fence to a few blurred edges, that lean, jitter, begin anew and stand in noise and
+//! texture. A search by chance and mutation finds those with the dearest row; the winners are kept in
+//! `xtask/worst_rows.csv`.
 
 use std::path::PathBuf;
 

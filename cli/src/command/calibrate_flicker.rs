@@ -15,8 +15,9 @@ use crate::inspection::stillness::share_moved;
 use crate::output::chart::{Axis, Chart};
 use crate::output::rounding::with_sigma;
 
-/// Where more of the pixels than this move from frame to frame, what looks like bands may be the scene: in a street at 1.5 m/s 14 %
-/// do, at rest before a lamp, however deep its bands, hardly any (`a_camera_that_moves_tells_no_line_time`).
+/// Where more of the pixels than this move from frame to frame, what looks like bands may be the scene: in a street at
+/// 1.5 m/s 14 % do, at rest before a lamp, however deep its bands, hardly any
+/// (`a_camera_that_moves_tells_no_line_time`).
 const MOST_MOVED: f64 = 0.05;
 
 /// Rows of the largest sensors.

@@ -1,4 +1,5 @@
-//! Command `calibrate imu`: offset of the gyroscope's clock, and gravity, from frames of a camera that turns before upright edges.
+//! Command `calibrate imu`: offset of the gyroscope's clock, and gravity, from frames of a camera that turns before
+//! upright edges.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -16,7 +16,8 @@ pub(crate) struct SetupText {
     pub(crate) setup: String,
 }
 
-/// As a file to start from; with `example`, optional keys are set, too. What a sensor or a camera file tells is filled in.
+/// As a file to start from; with `example`, optional keys are set, too. What a sensor or a camera file tells is filled
+/// in.
 pub(crate) fn document(arguments: &SetupFileArgs) -> Result<SetupText> {
     let every_key = EVERY_KEY.lines().map(|line| if arguments.example { set(line) } else { line });
     let mut filled = Filled { lines: every_key.map(str::to_string).collect(), told: Vec::new(), remarks: Vec::new() };

@@ -1,5 +1,5 @@
-//! Fisheye lenses (OpenCV's `fisheye`, Kalibr's `equi`, ROS's `equidistant`) as the rational model of the library, which
-//! follows them closely up to 60° off the axis.
+//! Fisheye lenses (OpenCV's `fisheye`, Kalibr's `equi`, ROS's `equidistant`) as the rational model of the library,
+//! which follows them closely up to 60° off the axis.
 
 use anyhow::{Result, ensure};
 
@@ -63,7 +63,8 @@ impl Fisheye {
         low
     }
 
-    /// The radius of the farthest corner, in focal lengths, with the two pixels beyond the border that the library asks for.
+    /// The radius of the farthest corner, in focal lengths, with the two pixels beyond the border that the library asks
+    /// for.
     fn farthest(&self) -> f64 {
         let sides = [self.size.columns, self.size.rows];
         let side = |axis: usize| {
@@ -107,7 +108,8 @@ fn fitted(samples: &[Sample], largest_r2: f64) -> [f64; 6] {
     std::array::from_fn(|index| scaled[index] / powers[index])
 }
 
-/// By the modified Gram–Schmidt process, the right-hand side as a further column; a column that the others have is left out.
+/// By the modified Gram–Schmidt process, the right-hand side as a further column; a column that the others have is left
+/// out.
 fn least_squares<const N: usize>(mut rows: Vec<([f64; N], f64)>) -> [f64; N] {
     const NEGLIGIBLE: f64 = 1e-13;
     let mut triangle = [[0.0; N]; N];

@@ -1,4 +1,5 @@
-//! When each frame starts and how long it was exposed, from CSV: one line for each frame, in their order or by their names.
+//! When each frame starts and how long it was exposed, from CSV: one line for each frame, in their order or by their
+//! names.
 
 use std::collections::HashMap;
 use std::path::Path;

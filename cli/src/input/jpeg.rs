@@ -1,4 +1,5 @@
-//! JPEG: all of the picture, or an error, or the word that it is torn. What is lost in transfer is never taken for seen.
+//! JPEG: all of the picture, or an error, or the word that it is torn. What is lost in transfer is never taken for
+//! seen.
 
 use anyhow::{Context, Result, anyhow, ensure};
 use image::{DynamicImage, GrayImage, RgbImage};
@@ -29,8 +30,8 @@ impl Jpeg {
         Ok(Self { bytes, size, is_grey })
     }
 
-    /// The picture, and whether it is torn: bytes were lost, so that parts of it lie where they do not belong and the rest is
-    /// made up.
+    /// The picture, and whether it is torn: bytes were lost, so that parts of it lie where they do not belong and the
+    /// rest is made up.
     pub(crate) fn decode(&self) -> Result<(DynamicImage, bool)> {
         ensure!(has_end(&self.bytes), "the file is truncated: a JPEG must have an end marker");
         let is_whole = is_whole(&self.bytes);

@@ -1,4 +1,5 @@
-//! Whether the scan of a baseline JPEG has all of its blocks. Decoders make up what a scan lacks, if an end marker follows.
+//! Whether the scan of a baseline JPEG has all of its blocks. Decoders make up what a scan lacks, if an end marker
+//! follows.
 
 /// A table of codes in the order of their lengths.
 #[derive(Clone, Default)]
@@ -74,8 +75,8 @@ impl ScanHeader {
         Some(())
     }
 
-    /// Whether the scan, from its marker on, has all blocks and nothing else. `None` for one that is not baseline or has
-    /// some of the components only.
+    /// Whether the scan, from its marker on, has all blocks and nothing else. `None` for one that is not baseline or
+    /// has some of the components only.
     pub(super) fn is_whole(&self, scan: &[u8]) -> Option<bool> {
         let length = usize::from(u16::from_be_bytes([*scan.get(2)?, *scan.get(3)?]));
         let count = usize::from(*scan.get(4)?);

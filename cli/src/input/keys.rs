@@ -48,7 +48,8 @@ pub(crate) const KEYS: [(&str, &[&str]); 4] = [
     ("mount", &["yaw_deg", "pitch_deg", "roll_deg", "position_m"]),
 ];
 
-/// Refuses a name that is no section or key, with the nearest valid one, or with the list of valid ones where none is near.
+/// Refuses a name that is no section or key, with the nearest valid one, or with the list of valid ones where none is
+/// near.
 pub(crate) fn refuse_unknown(file: &Table) -> Result<()> {
     for (name, value) in file.iter().filter(|(name, _)| *name != UNUSUAL) {
         let Some((section, keys)) = KEYS.iter().find(|(section, _)| section == name) else {

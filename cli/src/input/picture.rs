@@ -1,4 +1,5 @@
-//! Pictures from files: what the file shows and nothing else, or an error. Each format has its own ways to be incomplete.
+//! Pictures from files: what the file shows and nothing else, or an error. Each format has its own ways to be
+//! incomplete.
 
 use std::io::Cursor;
 use std::path::Path;

@@ -13,8 +13,8 @@ pub(crate) struct Sample {
 
 /// The same with stamps that rise. They do not fall in the samples given.
 ///
-/// A sample that is there twice counts once. Where most stamps repeat even so, their clock is coarse: the samples of a tick
-/// are spread evenly over it. Elsewhere different ones are a jump from the first of them to the last.
+/// A sample that is there twice counts once. Where most stamps repeat even so, their clock is coarse: the samples of a
+/// tick are spread evenly over it. Elsewhere different ones are a jump from the first of them to the last.
 pub(crate) fn resolved(mut samples: Vec<Sample>) -> Vec<Sample> {
     samples.dedup();
     let ticks: Vec<&[Sample]> = samples.chunk_by(|a, b| a.time_ns == b.time_ns).collect();

@@ -13,7 +13,8 @@ pub(crate) fn excess(grey: &Grey<'_>, noise_sigma: f64) -> f64 {
     excess_of(&across_columns).min(excess_of(&across_rows))
 }
 
-/// Mean size of the second difference over the border between a line and the next one, by the line's place in its block.
+/// Mean size of the second difference over the border between a line and the next one, by the line's place in its
+/// block.
 fn phases(lines: usize, pixels: usize, most: i32, at: impl Fn(usize, usize) -> i32) -> [f64; BLOCK] {
     let mut sums = [(0_i64, 0_i64); BLOCK];
     for line in 1..lines.saturating_sub(2) {

@@ -29,7 +29,8 @@ pub(crate) struct Further {
     pub(crate) unused_bits: Option<UnusedBits>,
 }
 
-/// Each is beyond what clean frames of the simulator show, and below the smallest effect that moves a distance by a sigma.
+/// Each is beyond what clean frames of the simulator show, and below the smallest effect that moves a distance by a
+/// sigma.
 const CLIPPED_SHARE: f64 = 0.01;
 const HALO_SHARE: f64 = 0.005;
 const SHARED_NOISE: f64 = 0.04;

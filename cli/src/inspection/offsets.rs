@@ -1,4 +1,5 @@
-//! Offsets of columns and rows: fixed patterns of the sensor's amplifiers, and rows that are read with a noise of their own.
+//! Offsets of columns and rows: fixed patterns of the sensor's amplifiers, and rows that are read with a noise of their
+//! own.
 
 use super::grey::Grey;
 use super::robust;
@@ -15,8 +16,8 @@ pub(crate) fn of_rows(grey: &Grey<'_>, noise_sigma: f64) -> f64 {
     offsets(grey.rows, grey.columns, noise_sigma, |row, column| grey.at(column, row))
 }
 
-/// Of so many lines of so many pixels each: how far each is from the middle of its neighbours, alike in both of its halves.
-/// Noise is not, nor is an edge, which lies elsewhere half a frame later.
+/// Of so many lines of so many pixels each: how far each is from the middle of its neighbours, alike in both of its
+/// halves. Noise is not, nor is an edge, which lies elsewhere half a frame later.
 fn offsets(lines: usize, pixels: usize, noise_sigma: f64, at: impl Fn(usize, usize) -> i32) -> f64 {
     let sigma = noise_sigma.max(0.3) * 1.5_f64.sqrt();
     let most = (2.0 * (EDGE_SIGMAS * sigma + 3.0)) as i32;

@@ -15,7 +15,8 @@ const AS_GOOD: f64 = 0.05;
 /// Places in the spectrum for each period more in the frame.
 const FINENESS: usize = 8;
 
-/// The period whose harmonics explain the most of what changes from row to row, beyond what as many sines would by chance.
+/// The period whose harmonics explain the most of what changes from row to row, beyond what as many sines would by
+/// chance.
 pub(super) fn of(grey: &Grey<'_>) -> Option<Bands> {
     let changes = row_changes::of(grey, 1)?;
     let spectrum = Spectrum::of(&changes)?;

@@ -1,4 +1,5 @@
-//! By how much the brightness of a whole picture changes from some rows to the next ones, as a flickering light changes it.
+//! By how much the brightness of a whole picture changes from some rows to the next ones, as a flickering light changes
+//! it.
 
 use super::grey::Grey;
 use super::robust::median;

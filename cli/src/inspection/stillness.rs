@@ -7,8 +7,8 @@ use super::robust::median;
 /// Pixels that are white say nothing of the light.
 const WHITE: u8 = 250;
 
-/// How far beyond the noise a pixel must change: so many times the median change, and levels. Of normal noise that is more
-/// than five sigma.
+/// How far beyond the noise a pixel must change: so many times the median change, and levels. Of normal noise that is
+/// more than five sigma.
 const BEYOND: (f64, f64) = (8.0, 4.0);
 
 /// Share of the pixels that change from one frame to the next by more than noise and light explain: light that flickers
@@ -25,8 +25,8 @@ pub(crate) fn share_moved(before: &GrayImage, after: &GrayImage) -> f64 {
     changes.iter().filter(|change| **change > most).count() as f64 / changes.len() as f64
 }
 
-/// Of a row's pixels, beyond that of the row as a whole: half the difference where both frames are alike, and not more of the
-/// noise where one of them is dark.
+/// Of a row's pixels, beyond that of the row as a whole: half the difference where both frames are alike, and not more
+/// of the noise where one of them is dark.
 fn changes(before: &[u8], after: &[u8]) -> Vec<f64> {
     let sound = || before.iter().zip(after).filter(|(before, after)| **before < WHITE && **after < WHITE);
     let pairs = || sound().map(|(before, after)| (f64::from(*before), f64::from(*after)));

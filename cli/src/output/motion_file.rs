@@ -12,8 +12,8 @@ const SAMPLES_PER_S: f64 = 200.0;
 /// Before the first frame and after the last one: a clock may be off.
 const MARGIN_S: f64 = 0.1;
 
-/// From the start of the first frame until some time after it, in the axes that the setup tells motion in. The clock of the
-/// samples is behind that of the frames by an offset.
+/// From the start of the first frame until some time after it, in the axes that the setup tells motion in. The clock of
+/// the samples is behind that of the frames by an offset.
 pub(crate) fn text<const OBJECTS: usize>(
     simulator: &Simulator<'_, OBJECTS>,
     mount: Option<&Mount>,

@@ -130,8 +130,8 @@ fn column_at(range: &RangeReport, row: i64) -> i64 {
     (from + (to - from) * part).round() as i64
 }
 
-/// The nearest area to the middle of the edge that is in the picture and covers no other label and, if possible, no other
-/// edge. If there is none, it is beside the middle.
+/// The nearest area to the middle of the edge that is in the picture and covers no other label and, if possible, no
+/// other edge. If there is none, it is beside the middle.
 fn label_area(canvas: &Canvas, range: &RangeReport, label: &str, obstacles: &Obstacles<'_>) -> Rectangle {
     let (width, height) = canvas.label_size(label);
     let (first_row, last_row) = (i64::from(range.first_row), i64::from(range.last_row));

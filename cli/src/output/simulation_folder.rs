@@ -1,9 +1,9 @@
 //! [`SimulationFolder`]: a folder with the files of one complete simulation.
 //!
-//! Files are first written to `.simulating`, a folder inside it. When all are there, that is renamed to `.simulated`, the
-//! files of an earlier simulation are removed, and the new ones are moved out. An interruption therefore leaves one of two
-//! states, which the next simulation recognises: `.simulating`, and nothing beside it has changed; or `.simulated` with
-//! files in it, and the files beside it are incomplete.
+//! Files are first written to `.simulating`, a folder inside it. When all are there, that is renamed to `.simulated`,
+//! the files of an earlier simulation are removed, and the new ones are moved out. An interruption therefore leaves one
+//! of two states, which the next simulation recognises: `.simulating`, and nothing beside it has changed; or
+//! `.simulated` with files in it, and the files beside it are incomplete.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,8 @@ pub(crate) struct SimulationFolder {
 }
 
 impl SimulationFolder {
-    /// Makes the folder if there is none. It must be empty, unless `overwrite` permits to replace an earlier simulation.
+    /// Makes the folder if there is none. It must be empty, unless `overwrite` permits to replace an earlier
+    /// simulation.
     pub(crate) fn open(path: &Path, overwrite: bool) -> Result<Self> {
         let is_new = !path.exists();
         fs::create_dir_all(path).with_context(|| format!("making {}", path.display()))?;

@@ -199,8 +199,8 @@ fn push<const N: usize>(trajectory: &mut Trajectory<f64, N>, sample: &Sample) ->
     Ok(())
 }
 
-/// Time from sample to sample: the median over time, so that samples which come in bursts have the interval of the bursts.
-/// One gap alone is none, however long.
+/// Time from sample to sample: the median over time, so that samples which come in bursts have the interval of the
+/// bursts. One gap alone is none, however long.
 fn usual_interval_ns(samples: &[Sample]) -> u64 {
     const FEWEST_BURSTS: usize = 3;
     let mut intervals: Vec<u64> =

@@ -1,5 +1,5 @@
-//! Stamps of rows against the readout. They must lie within the frame that it allows; where they do not rise with the rows
-//! at its pace, as those of coarse clocks and of blocks of rows, the readout tells the time.
+//! Stamps of rows against the readout. They must lie within the frame that it allows; where they do not rise with the
+//! rows at its pace, as those of coarse clocks and of blocks of rows, the readout tells the time.
 
 use anyhow::{Result, ensure};
 use shutter_range::Setup;

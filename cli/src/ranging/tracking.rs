@@ -47,8 +47,8 @@ pub(crate) fn track(points: Vec<FilePoint>, setup: &Setup<f64>) -> Result<Tracke
     Ok(Tracked { lines, counters: *ranger.counters() })
 }
 
-/// Where each row has points of only some of the lines, a line is missing from more rows, and must not end there. No more
-/// than needed: over longer gaps it would also take points of its neighbours.
+/// Where each row has points of only some of the lines, a line is missing from more rows, and must not end there. No
+/// more than needed: over longer gaps it would also take points of its neighbours.
 fn with_limits_for_sparse_rows(setup: &Setup<f64>, points: &[FilePoint]) -> Result<Setup<f64>> {
     let defaults = *setup.limits();
     let rows = points.iter().map(|point| point.point.row).collect::<HashSet<_>>().len();

@@ -19,7 +19,8 @@ pub(crate) fn cores() -> usize {
     available_parallelism().map_or(1, NonZero::get)
 }
 
-/// Runs `work` on the inputs in so many threads, and `take` on this one, which gets the results in the order of the inputs.
+/// Runs `work` on the inputs in so many threads, and `take` on this one, which gets the results in the order of the
+/// inputs.
 pub(crate) fn in_order<T, R: Send, O>(
     workers: usize,
     inputs: impl Iterator<Item = T> + Send,

@@ -1,5 +1,5 @@
-//! Files that cannot be written: an error, and nothing half-written under their name. A limit on the size of files stands
-//! for the full disk.
+//! Files that cannot be written: an error, and nothing half-written under their name. A limit on the size of files
+//! stands for the full disk.
 
 use crate::painting::{painted, png};
 use crate::tool::{Folder, Outcome, SETUP};

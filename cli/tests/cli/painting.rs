@@ -25,7 +25,8 @@ pub(crate) fn painted_by(rows_before: impl Fn(u32) -> u32) -> GrayImage {
     })
 }
 
-/// Of ±3 grey levels, always the same: without any, the rounding of grey levels would be a pattern that moves with the edges.
+/// Of ±3 grey levels, always the same: without any, the rounding of grey levels would be a pattern that moves with the
+/// edges.
 fn noise(x: u32, row: u32) -> f64 {
     let mixed = (x.wrapping_mul(0x9E37_79B1) ^ row.wrapping_mul(0x85EB_CA77)).wrapping_mul(0xC2B2_AE3D);
     let mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x27D4_EB2F);

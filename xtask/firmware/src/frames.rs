@@ -11,7 +11,8 @@ use crate::stack::Painted;
 /// The ranger whose rows are measured.
 pub type Table = Ranger<16, 16, 64>;
 
-/// Reads frames of such rows and prints the instructions and the stack of each, and its dearest row. What `take` does is counted.
+/// Reads frames of such rows and prints the instructions and the stack of each, and its dearest row. What `take` does
+/// is counted.
 pub fn count(
     job: &mut Job<impl Source>,
     setup: &Setup<Number>,

@@ -1,5 +1,5 @@
-//! A fault says so and ends the emulation, where it would loop for ever. After the stack has left its memory even that faults:
-//! the core locks up, and the emulator stops.
+//! A fault says so and ends the emulation, where it would loop for ever. After the stack has left its memory even that
+//! faults: the core locks up, and the emulator stops.
 #![allow(unsafe_code)]
 
 use semihosting::sys::arm_compat::sys_writec;

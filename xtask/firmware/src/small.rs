@@ -1,5 +1,5 @@
-//! What the programs share that are measured for their size: a QVGA camera, a moving post, and telling the stack without
-//! `core::fmt`.
+//! What the programs share that are measured for their size: a QVGA camera, a moving post, and telling the stack
+//! without `core::fmt`.
 
 use crate::{Number, stack};
 use semihosting::sys::arm_compat::sys_writec;
