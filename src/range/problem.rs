@@ -158,6 +158,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         if is_near && moves < settled && self.is_linear(settled) {
             return true;
         }
+        // With more scatter than stated each of these limits is wider, and no other number is another one.
         let scatter = self.scatter();
         if !(scatter > S::ONE) {
             return false;
@@ -212,7 +213,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         change * change * over(solution.information_of_inverse_depth())
     }
 
-    /// The same. What does not converge is no straight edge; one round tells roughly where it is.
+    /// Rounds from a start until they converge. What does not is no straight edge; one round tells roughly where it is.
     pub(super) fn settle(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
         if self.converge(start) {
             return Ok(());
