@@ -154,6 +154,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
+        let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut explained);
@@ -174,6 +175,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         refine_alone(points, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
+        if self.scanner.is_blinded() || tracker.counters().dropped_points != dropped_points {
+            tracker.count_crowded_row();
+        }
         if let Some(row) = jump {
             self.tear();
             return Err(RowError::Jump { row });

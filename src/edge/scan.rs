@@ -10,7 +10,7 @@ use core::ops::Range;
 use super::noise::{Across, Down, WINDOW};
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
-use super::tuning::{LEAST_DIFFERENCE, LEAST_NOISE_Q8, THRESHOLD_SIGMAS, UPRIGHT_RATIO};
+use super::tuning::{LEAST_DIFFERENCE, LEAST_NOISE_Q8, MOST_HIDDEN, THRESHOLD_SIGMAS, UPRIGHT_RATIO};
 use crate::format::Pixels;
 
 /// A point of an edge as a single row of pixels shows it.
@@ -136,6 +136,11 @@ impl Scanner {
             // sliding difference.
             coarse(&pixels, 2 * least, explained, look);
         }
+    }
+
+    /// Whether texture or noise everywhere hides edges that are anything but faint.
+    pub(crate) fn is_blinded(&self) -> bool {
+        self.least_difference() > WINDOW as u32 * MOST_HIDDEN
     }
 
     /// Least sliding difference that counts, in grey levels.

@@ -22,6 +22,10 @@ pub(super) const UPRIGHT_RATIO: u32 = 3;
 /// (`frames::faint_and_noisy_bars_are_found`).
 pub(super) const LEAST_DIFFERENCE: u32 = 24;
 
+/// A row in which an edge of so many grey levels of contrast is hidden by what is usual cannot be read: a quarter of
+/// all levels (`fences::rows_that_cannot_be_read_are_counted`).
+pub(super) const MOST_HIDDEN: u32 = 64;
+
 /// A difference counts if it exceeds so many sigma of what is usual: once in 16 000 by chance
 /// (`scanning::noise_is_no_edge`).
 pub(super) const THRESHOLD_SIGMAS: u32 = 4;

@@ -210,6 +210,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.stray_points = self.counters.stray_points.saturating_add(points);
     }
 
+    /// Counts a row that could not be read whole.
+    pub(crate) fn count_crowded_row(&mut self) {
+        self.counters.crowded_rows = self.counters.crowded_rows.saturating_add(1);
+    }
+
     /// Counts a point for which there was no room.
     pub(crate) fn count_dropped_point(&mut self) {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
