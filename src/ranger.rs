@@ -160,7 +160,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         tracker.locate(setup.limits(), at, pixel_row, &mut explained);
         let mut columns: Vec<_, LINES> = Vec::new();
         explained.add_columns(row, &mut columns);
-        self.scanner.scan_beside(pixels, &columns, |point| {
+        let is_blinded = self.scanner.scan_beside(pixels, &columns, |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -175,7 +175,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         refine_alone(points, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
-        if self.scanner.is_blinded() || tracker.counters().dropped_points != dropped_points {
+        if is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
         if let Some(row) = jump {
