@@ -43,7 +43,7 @@ impl Across {
     /// The first row sets the scale; later ones are sampled and move it little by little.
     pub(super) fn learn(&mut self, pixels: &impl Pixels) {
         // Some four stretches a row are plenty, others in each row.
-        let every = if self.rows == 0 { 1 } else { pixels.columns().div_ceil(STRETCH * 4).max(2) };
+        let every = if self.rows == 0 { 1 } else { (pixels.columns() / (STRETCH * 4)).max(2) };
         let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
         let is_mosaic = pixels.mosaic_row().is_some();
         let starts = (first * STRETCH..).step_by((every * STRETCH).max(STRETCH));
