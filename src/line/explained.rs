@@ -29,8 +29,8 @@ const MAX_REACH_Q16: i32 = 34 << 16;
 /// Half of the scanner's window, which sees an edge so much before its flank.
 const WINDOW_Q16: i32 = 4 << 16;
 
-/// The scanner leaves out whole blocks: what is that near may lie in one of them.
-const BLOCKS_Q16: i32 = 2 << (16 + 4);
+/// The scanner leaves out whole spans of eight pixels: what is that near may lie in one of them.
+const SPANS_Q16: i32 = 2 << (16 + 3);
 
 impl<const LINES: usize> Explained<LINES> {
     pub(crate) const fn new() -> Self {
@@ -42,7 +42,7 @@ impl<const LINES: usize> Explained<LINES> {
         let column_q16 = point.column_q16;
         // A row of a long blur may be wider than the blur itself can be.
         let reach_q16 = ((5 << 16) / 2 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
-        let near_q16 = (2 * (reach_q16 + WINDOW_Q16) + BLOCKS_Q16).unsigned_abs();
+        let near_q16 = (2 * (reach_q16 + WINDOW_Q16) + SPANS_Q16).unsigned_abs();
         let is_alone = others_q16.into_iter().all(|other_q16| other_q16.abs_diff(column_q16) > near_q16);
         let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_alone, is_seen: false };
         // There is room: one per line at most. They come in order but for a few.

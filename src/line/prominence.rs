@@ -69,6 +69,10 @@ impl Prominence {
     }
 
     /// Adds what another part of the same line shows.
+    pub(super) const fn is_unseen(&self) -> bool {
+        self.rows == 0
+    }
+
     pub(super) fn add(&mut self, other: &Self) {
         self.along = self.along.saturating_add(other.along);
         self.rows = self.rows.saturating_add(other.rows);

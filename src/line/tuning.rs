@@ -105,3 +105,8 @@ pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 /// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
+
+/// At most so many lines get a model in one row, since each costs as much as a dozen rows of a line, the first look
+/// around included: the newest, since older ones may have no edge that a model can have. The points of the others are
+/// refined alone until it is their turn (`frames::short_bars_are_found_in_a_clear_view` with 4).
+pub(super) const MODELS_A_ROW: usize = 8;
