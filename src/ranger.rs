@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Explained, Line, RowClock, RowTime, Tracker};
+use crate::line::{Counters, Demand, Explained, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -157,9 +157,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        let mut columns: Vec<_, LINES> = Vec::new();
-        explained.add_columns(row, &mut columns);
-        self.scanner.scan_beside(pixels, &columns, |point| {
+        let mut flanks: Vec<_, LINES> = Vec::new();
+        explained.add_flanks(&mut flanks);
+        self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();

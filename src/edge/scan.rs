@@ -112,29 +112,34 @@ impl Scanner {
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
     /// right.
     pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
-        self.scan_beside(pixels, &[], found);
+        self.scan_beside(pixels, &[], true, found);
     }
 
-    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look.
-    /// Where something else is near, edges in such a stretch can still be handed over.
+    /// Likewise, but for the flanks of known edges, from left to right: positions whose differences are these edges'
+    /// own. What differs elsewhere in the blocks with such a flank is looked at only where that is asked for.
     pub(crate) fn scan_beside(
         &mut self,
         pixels: impl Pixels,
-        explained: &[Range<u16>],
+        flanks: &[Range<u16>],
+        looks_beside: bool,
         mut found: impl FnMut(ScannedPoint),
     ) {
         self.across.learn(&pixels);
         self.down.learn(&pixels);
         let (noise_q8, least) = (self.noise_q8(), self.least_difference());
         let mut seen = 0;
-        let mut look = |from, to| seen = fine(&pixels, (from, to), seen, (least as i32, noise_q8), &mut found);
+        let mut look = |from, to| {
+            between(flanks, from..to, |positions| {
+                seen = fine(&pixels, positions, seen, (least as i32, noise_q8), &mut found);
+            });
+        };
         if is_upright(self.across.difference_q8(), self.down.difference_q8()) {
             // The sums of a fence whose period goes into a block do not differ.
             look(0, pixels.columns());
         } else {
             // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the
             // sliding difference.
-            coarse(&pixels, 2 * least, explained, look);
+            coarse(&pixels, 2 * least, if looks_beside { &[] } else { flanks }, look);
         }
     }
 
@@ -238,6 +243,26 @@ fn add_stretch(open: &mut Option<(usize, usize)>, (from, to): (usize, usize), st
     }
 }
 
+/// Hands over the positions in which the windows reach into these pixels, but for those in a flank.
+fn between(flanks: &[Range<u16>], pixels: Range<usize>, mut look: impl FnMut(Range<usize>)) {
+    let (mut start, end) = (pixels.start.saturating_sub(WINDOW), pixels.end + WINDOW + 1);
+    for flank in flanks {
+        let (from, to) = (usize::from(flank.start), usize::from(flank.end));
+        if from >= end {
+            break;
+        }
+        if to > start {
+            if from > start {
+                look(start..from);
+            }
+            start = to;
+        }
+    }
+    if start < end {
+        look(start..end);
+    }
+}
+
 /// Sums over a run of differences of one sign.
 #[derive(Clone, Copy)]
 struct Run {
@@ -298,20 +323,20 @@ impl Run {
     }
 }
 
-/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the
-/// noise. A run that only partly lies there is followed to both its ends, but not before `seen`, the last position of
-/// an earlier look. Returns the last one of this look.
+/// Slides the difference of two windows over some positions and hands over each run of one sign beyond the noise. A run
+/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier
+/// look. Returns the last one of this look.
 fn fine(
     pixels: &impl Pixels,
-    (from, to): (usize, usize),
+    positions: Range<usize>,
     seen: usize,
     (least, noise_q8): (i32, u32),
     found: &mut impl FnMut(ScannedPoint),
 ) -> usize {
     // Position k compares the pixels before k with those from there on, four of each.
     let (Some(last), earliest) = (pixels.columns().checked_sub(WINDOW), seen.max(WINDOW)) else { return seen };
-    let (end, end_of_row) = ((to + WINDOW).min(last) + 1, last + 1);
-    let start = from.saturating_sub(WINDOW).max(earliest);
+    let (end, end_of_row) = (positions.end.min(last + 1), last + 1);
+    let start = positions.start.max(earliest);
     if start >= end {
         return seen;
     }
@@ -345,9 +370,13 @@ fn fine(
         let count = BLOCK.min(if next < end { end } else { end_of_row } - next);
         let at = next - WINDOW;
         let rest = grey(pixels, at..at + BLOCK + 2 * WINDOW, &mut buffer);
-        let quiet = run.is_none() && rest.first_chunk().is_some_and(|pixels| is_quiet(pixels, least));
+        let quiet = run.is_none() && count == BLOCK && rest.first_chunk().is_some_and(|pixels| is_quiet(pixels, least));
         if !quiet {
-            slide(rest, count, |index, difference| take(difference, next + index, &mut run));
+            slide(rest, count, |index, difference| {
+                if run.is_some() || difference.abs() > least {
+                    take(difference, next + index, &mut run);
+                }
+            });
         }
         next += count;
     }

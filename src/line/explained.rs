@@ -16,6 +16,8 @@ pub(crate) struct Explained<const LINES: usize> {
 struct Edge {
     column_q16: i32,
     reach_q16: i32,
+    /// So far from it the scanner's differences are its own.
+    flank_q16: i32,
     polarity: Polarity,
     /// Nothing else is expected near it.
     is_alone: bool,
@@ -32,6 +34,12 @@ const WINDOW_Q16: i32 = 4 << 16;
 /// The scanner leaves out whole blocks: what is that near may lie in one of them.
 const BLOCKS_Q16: i32 = 2 << (16 + 4);
 
+/// Whether a row is looked at beside its located lines: some of the rows are, or an edge that begins there would never
+/// be seen.
+pub(crate) const fn looks_beside(row: u16) -> bool {
+    row.is_multiple_of(LOOK_BESIDE_ROWS)
+}
+
 impl<const LINES: usize> Explained<LINES> {
     pub(crate) const fn new() -> Self {
         Self { edges: Vec::new() }
@@ -41,10 +49,12 @@ impl<const LINES: usize> Explained<LINES> {
     pub(super) fn add(&mut self, point: &EdgePoint, others_q16: impl IntoIterator<Item = i32>) {
         let column_q16 = point.column_q16;
         // A row of a long blur may be wider than the blur itself can be.
-        let reach_q16 = ((5 << 16) / 2 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
+        let blur_q16 = i32::from(point.width_q8) * 640;
+        let reach_q16 = ((5 << 16) / 2 + blur_q16).min(MAX_REACH_Q16);
+        let flank_q16 = (WINDOW_Q16 + blur_q16).min(MAX_REACH_Q16);
         let near_q16 = (2 * (reach_q16 + WINDOW_Q16) + BLOCKS_Q16).unsigned_abs();
         let is_alone = others_q16.into_iter().all(|other_q16| other_q16.abs_diff(column_q16) > near_q16);
-        let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_alone, is_seen: false };
+        let edge = Edge { column_q16, reach_q16, flank_q16, polarity: point.polarity, is_alone, is_seen: false };
         // There is room: one per line at most. They come in order but for a few.
         if self.edges.last().is_none_or(|last| last.column_q16 <= column_q16) {
             let _ = self.edges.push(edge);
@@ -53,19 +63,15 @@ impl<const LINES: usize> Explained<LINES> {
         }
     }
 
-    /// Adds the columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line
-    /// would never be seen.
+    /// Adds where the scanner's differences are those of a located line that stands alone.
     // Into a list that is there, since each one that is returned is copied.
-    pub(crate) fn add_columns(&self, row: u16, columns: &mut Vec<Range<u16>, LINES>) {
-        if row.is_multiple_of(LOOK_BESIDE_ROWS) {
-            return;
-        }
+    pub(crate) fn add_flanks(&self, flanks: &mut Vec<Range<u16>, LINES>) {
         for edge in self.edges.iter().filter(|edge| edge.is_alone) {
-            let reach_q16 = edge.reach_q16 + WINDOW_Q16;
-            let column = |column_q16: i32| (column_q16 >> 16).clamp(0, u16::MAX.into()) as u16;
+            let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
+            // The one on the left of a pixel has its number.
+            let (from_q16, to_q16) = (edge.column_q16 - edge.flank_q16, edge.column_q16.saturating_add(edge.flank_q16));
             // There is room: one per line at most.
-            let (from_q16, to_q16) = (edge.column_q16 - reach_q16, edge.column_q16.saturating_add(reach_q16));
-            let _ = columns.push(column(from_q16)..column(to_q16));
+            let _ = flanks.push(position(from_q16)..position(to_q16) + 2);
         }
     }
 
