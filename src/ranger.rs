@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Explained, Line, RowClock, RowTime, Tracker, looks_beside};
+use crate::line::{Counters, Demand, Explained, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -156,9 +156,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
-        tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        let mut flanks: Vec<_, LINES> = Vec::new();
-        explained.add_flanks(&mut flanks);
+        let mut flanks = Flanks::new();
+        tracker.locate(setup.limits(), at, pixel_row, &mut explained, &mut flanks);
         self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);

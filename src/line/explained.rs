@@ -12,21 +12,24 @@ pub(crate) struct Explained<const LINES: usize> {
     edges: Vec<Edge, LINES>,
 }
 
+/// Where the scanner's differences are those of located lines that stand alone: nothing else is expected near them.
+// Not a part of `Explained`, which would then be cleared in each row.
+pub(crate) type Flanks<const LINES: usize> = Vec<Range<u16>, LINES>;
+
 /// A located line: scanned points of its polarity near there are its own.
 struct Edge {
     column_q16: i32,
     reach_q16: i32,
-    /// So far from it the scanner's differences are its own.
-    flank_q16: i32,
     polarity: Polarity,
-    /// Nothing else is expected near it.
-    is_alone: bool,
     /// The scanner has found this very point, too.
     is_seen: bool,
 }
 
 /// Upper bound of [`Edge::reach_q16`].
 const MAX_REACH_Q16: i32 = 34 << 16;
+
+/// What an edge without blur reaches.
+const LEAST_REACH_Q16: i32 = 5 << 15;
 
 /// Half of the scanner's window, which sees an edge so much before its flank.
 const WINDOW_Q16: i32 = 4 << 16;
@@ -40,21 +43,27 @@ pub(crate) const fn looks_beside(row: u16) -> bool {
     row.is_multiple_of(LOOK_BESIDE_ROWS)
 }
 
+impl Edge {
+    /// The positions of the scanner in which its windows reach into the blur; the one on the left of a pixel has its
+    /// number.
+    fn flank(&self) -> Range<u16> {
+        let half_q16 = self.reach_q16 - LEAST_REACH_Q16 + WINDOW_Q16;
+        let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
+        position(self.column_q16 - half_q16)..position(self.column_q16.saturating_add(half_q16)) + 2
+    }
+}
+
 impl<const LINES: usize> Explained<LINES> {
     pub(crate) const fn new() -> Self {
         Self { edges: Vec::new() }
     }
 
-    /// Adds a located line; `others_q16` are the columns where lines are expected that have not been located.
-    pub(super) fn add(&mut self, point: &EdgePoint, others_q16: impl IntoIterator<Item = i32>) {
+    /// Adds a located line.
+    pub(super) fn add(&mut self, point: &EdgePoint) {
         let column_q16 = point.column_q16;
         // A row of a long blur may be wider than the blur itself can be.
-        let blur_q16 = i32::from(point.width_q8) * 640;
-        let reach_q16 = ((5 << 16) / 2 + blur_q16).min(MAX_REACH_Q16);
-        let flank_q16 = (WINDOW_Q16 + blur_q16).min(MAX_REACH_Q16);
-        let near_q16 = (2 * (reach_q16 + WINDOW_Q16) + BLOCKS_Q16).unsigned_abs();
-        let is_alone = others_q16.into_iter().all(|other_q16| other_q16.abs_diff(column_q16) > near_q16);
-        let edge = Edge { column_q16, reach_q16, flank_q16, polarity: point.polarity, is_alone, is_seen: false };
+        let reach_q16 = (LEAST_REACH_Q16 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
+        let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_seen: false };
         // There is room: one per line at most. They come in order but for a few.
         if self.edges.last().is_none_or(|last| last.column_q16 <= column_q16) {
             let _ = self.edges.push(edge);
@@ -63,15 +72,14 @@ impl<const LINES: usize> Explained<LINES> {
         }
     }
 
-    /// Adds where the scanner's differences are those of a located line that stands alone.
-    // Into a list that is there, since each one that is returned is copied.
-    pub(crate) fn add_flanks(&self, flanks: &mut Vec<Range<u16>, LINES>) {
-        for edge in self.edges.iter().filter(|edge| edge.is_alone) {
-            let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
-            // The one on the left of a pixel has its number.
-            let (from_q16, to_q16) = (edge.column_q16 - edge.flank_q16, edge.column_q16.saturating_add(edge.flank_q16));
-            // There is room: one per line at most.
-            let _ = flanks.push(position(from_q16)..position(to_q16) + 2);
+    /// Adds the flanks of those that stand alone, where lines that have not been located are expected at these columns.
+    pub(super) fn add_flanks(&self, others_q16: &[i32], flanks: &mut Flanks<LINES>) {
+        for edge in &self.edges {
+            let near_q16 = (2 * (edge.reach_q16 + WINDOW_Q16) + BLOCKS_Q16).unsigned_abs();
+            if others_q16.iter().all(|other_q16| other_q16.abs_diff(edge.column_q16) > near_q16) {
+                // There is room: one per line at most.
+                let _ = flanks.push(edge.flank());
+            }
         }
     }
 

@@ -16,6 +16,8 @@ pub(super) struct Filter {
     pub(super) slope_q16: i32,
     /// Mean distance of the last points from where they were expected, in 1/65536 px.
     pub(super) scatter_q16: u16,
+    /// How far off its prediction a point of the next row may lie, in 1/256 px, as it was some points ago.
+    pub(super) gate_q8: u16,
 }
 
 /// How many points a filter remembers, and what follows from it.
@@ -112,7 +114,7 @@ fn part(value: i32, gain_q16: i32) -> i32 {
 impl Filter {
     /// At a line's first point.
     pub(super) const fn new(column_q16: i32) -> Self {
-        Self { column_q16, slope_q16: 0, scatter_q16: MOST_SCATTER_Q16 }
+        Self { column_q16, slope_q16: 0, scatter_q16: MOST_SCATTER_Q16, gate_q8: 0 }
     }
 
     /// The column so many rows on, in 1/65536 px.

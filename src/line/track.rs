@@ -5,8 +5,8 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16,
-    SCATTER_POINTS, YOUNG_POINTS,
+    GATE_POINTS, LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
+    NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
@@ -45,8 +45,8 @@ pub(crate) enum State {
 }
 
 impl<const KNOTS: usize> Track<KNOTS> {
-    pub(crate) fn new(point: EdgePoint) -> Self {
-        Self {
+    pub(crate) fn new(point: EdgePoint, limits: &Limits) -> Self {
+        let mut track = Self {
             line: Line::new(point),
             state: State::Tentative,
             filter: Filter::new(point.column_q16),
@@ -55,16 +55,25 @@ impl<const KNOTS: usize> Track<KNOTS> {
             unexpected_points: 0,
             around: Around::UNSEEN,
             is_beside_texture: false,
-        }
+        };
+        track.renew_gate(limits);
+        track
     }
 
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
-        Prediction {
-            column_q16: self.filter.column_after(rows),
-            gate_q16: self.gate_after(rows, limits),
-            coasting: false,
+        let gate_q16 = if rows == 1 { u32::from(self.filter.gate_q8) << 8 } else { self.gate_after(rows, limits) };
+        Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
+    }
+
+    /// Takes its gate anew where that may have changed.
+    fn renew_gate(&mut self, limits: &Limits) {
+        let points = self.line.points();
+        let is_settled = self.model.is_some() && points > GATE_POINTS;
+        if !is_settled || points.is_multiple_of(GATE_POINTS) {
+            // It fits: the widest gate is 48 px.
+            self.filter.gate_q8 = self.gate_after(1, limits).div_ceil(256) as u16;
         }
     }
 
@@ -130,6 +139,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         }
         self.filter.follow(point.column_q16, self.memory(), rows, self.is_beside_texture);
         self.missed_rows = 0;
+        self.renew_gate(limits);
         // A line that leans more than one may begin with is none of ours, however well it is seen.
         let is_upright = self.filter.slope_q16.unsigned_abs() <= limits.max_slope_q16;
         if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
