@@ -7,7 +7,8 @@ use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
     BLUR_ROWS_LOG2, CLASS_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2,
-    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, SETTLED_ROWS_LOG2,
+    USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -40,6 +41,9 @@ pub(crate) struct EdgeModel {
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
 
+/// 45 grey levels, out of which no edge stands: some times as much fits.
+const MOST_NOISE_Q16: u32 = 1 << 27;
+
 /// What one row says, given the model.
 pub(super) struct Fit {
     pub(super) column_q16: i32,
@@ -63,7 +67,7 @@ impl EdgeModel {
         // Its square has 31 bits.
         let white_q8 = row.noise_of_light_q8(edge.column_q16, noise_q8).min(i32::MAX.isqrt() as u32) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
-        let noise_q16 = (u32::from(white_q8) * u32::from(white_q8)).max(LEAST_NOISE_Q16);
+        let noise_q16 = (u32::from(white_q8) * u32::from(white_q8)).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
         let mut model = Self {
             levels_q16: [[0; 2]; 2],
             noise_q16,
@@ -172,10 +176,26 @@ impl EdgeModel {
         u32::from(level_scatter_q8) * 4 > u32::from(self.white_q8) * 5
     }
 
-    /// Running means: a small part of each new row, more at first.
+    /// Running means: a small part of each new row, more at first, and later on of two rows in four, since a mosaic's
+    /// rows are of two kinds.
     pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
-        let rows_log2 = 31 - u32::from(self.rows.get()).leading_zeros();
+        if self.rows.get() < 1 << SETTLED_ROWS_LOG2 {
+            self.learn_at_first(kind, fit);
+        } else if self.rows.get() & 2 == 0 {
+            self.learn_as_row(kind, fit, SETTLED_ROWS_LOG2);
+        }
+    }
+
+    #[inline(never)]
+    fn learn_at_first(&mut self, kind: usize, fit: &Fit) {
+        self.learn_as_row(kind, fit, self.rows.ilog2());
+    }
+
+    /// From the row of this number, as a power of two.
+    // Inlined, so that shifts are by constants in most rows.
+    #[inline(always)]
+    fn learn_as_row(&mut self, kind: usize, fit: &Fit, rows_log2: u32) {
         let (scatter_log2, levels_log2) = (rows_log2.min(BLUR_ROWS_LOG2), rows_log2.min(LEVEL_ROWS_LOG2));
         // A few rows of something else are no texture.
         let most_q8 = 4 * i32::from(self.white_q8);
@@ -187,13 +207,14 @@ impl EdgeModel {
                 *mean_q16 = (*mean_q16 as i32 + part(off_q8 << 8, levels_log2)).clamp(0, 255 << 16) as u32;
             }
         }
-        self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
+        let rows = if rows_log2 < SETTLED_ROWS_LOG2 { 1 } else { 2 };
+        self.textured_rows = self.textured_rows.saturating_add(if self.is_textured() { rows } else { 0 });
         self.blur_toward(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));
         let noise_q16 = self.noise_q16 as i32;
-        let most_q16 = self.noise_q16.saturating_mul(4).saturating_add(1 << 16);
+        let most_q16 = 4 * self.noise_q16 + (1 << 16);
         let residual_q16 = fit.residual_q16.min(most_q16) as i32;
         let change_q16 = part(residual_q16 - noise_q16, rows_log2.clamp(LEAST_NOISE_ROWS_LOG2, NOISE_ROWS_LOG2));
-        self.noise_q16 = (noise_q16 + change_q16).max(LEAST_NOISE_Q16 as i32) as u32;
+        self.noise_q16 = ((noise_q16 + change_q16) as u32).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
         let is_due = |rows: u32| rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << rows);
         if is_due(CLASS_ROWS_LOG2) {
             self.class = class_of(self.blur_q12, self.class);

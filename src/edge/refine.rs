@@ -104,7 +104,7 @@ impl EdgeModel {
 
     /// What remains at most of a row that shows the edge, and the square of two levels for what no step has.
     fn most_residual_q16(&self) -> u32 {
-        self.noise_q16.saturating_mul(MOST_RESIDUAL).saturating_add(1 << 18)
+        self.noise_q16 * MOST_RESIDUAL + (1 << 18)
     }
 
     /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it
