@@ -7,8 +7,7 @@ use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
     BLUR_ROWS_LOG2, CLASS_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2,
-    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, SETTLED_ROWS_LOG2,
-    USUAL_BLUR_Q8,
+    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -176,14 +175,13 @@ impl EdgeModel {
         u32::from(level_scatter_q8) * 4 > u32::from(self.white_q8) * 5
     }
 
-    /// Running means: a small part of each new row, more at first, and later on of two rows in four, since a mosaic's
-    /// rows are of two kinds.
+    /// Running means: a small part of each new row, more at first.
     pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
-        if self.rows.get() < 1 << SETTLED_ROWS_LOG2 {
+        if self.rows.get() < 1 << LEVEL_ROWS_LOG2 {
             self.learn_at_first(kind, fit);
-        } else if self.rows.get() & 2 == 0 {
-            self.learn_as_row(kind, fit, SETTLED_ROWS_LOG2);
+        } else {
+            self.learn_as_row(kind, fit, LEVEL_ROWS_LOG2);
         }
     }
 
@@ -207,8 +205,7 @@ impl EdgeModel {
                 *mean_q16 = (*mean_q16 as i32 + part(off_q8 << 8, levels_log2)).clamp(0, 255 << 16) as u32;
             }
         }
-        let rows = if rows_log2 < SETTLED_ROWS_LOG2 { 1 } else { 2 };
-        self.textured_rows = self.textured_rows.saturating_add(if self.is_textured() { rows } else { 0 });
+        self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
         self.blur_toward(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));
         let noise_q16 = self.noise_q16 as i32;
         let most_q16 = 4 * self.noise_q16 + (1 << 16);

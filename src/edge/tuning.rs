@@ -91,10 +91,6 @@ pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
 pub(super) const LEVEL_ROWS_LOG2: u32 = 5;
 pub(super) const BLUR_ROWS_LOG2: u32 = 4;
 
-/// From so many rows on, as a power of two, the edge is known so well that half of the rows tell enough of how it
-/// changes (`clutter::crossing_bars_lead_no_line_astray` with fewer, `cargo xtask budget --use "two bars"`).
-pub(super) const SETTLED_ROWS_LOG2: u32 = 5;
-
 /// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part
 /// in so many, as a power of two (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LEAST_NOISE_ROWS_LOG2: u32 = 2;
