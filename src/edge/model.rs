@@ -2,6 +2,7 @@
 
 use core::num::NonZeroU16;
 
+use super::factor::Factor;
 use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
@@ -27,6 +28,8 @@ pub(crate) struct EdgeModel {
     pub(super) blur_q12: u16,
     /// Mean difference between a row's own level and the running mean, left and right.
     level_scatter_q8: [u16; 2],
+    /// [`Template::per_contrast`] of the mean levels as they were some rows ago; not of a mosaic's odd rows.
+    pub(super) per_contrast: Factor,
     /// One sigma of the pixels' noise when the line was confirmed.
     pub(super) white_q8: u16,
     /// How many; not zero, so that a track without a model is no larger.
@@ -73,6 +76,7 @@ impl EdgeModel {
             noise_q8: noise_q16.isqrt() as u16,
             blur_q12,
             level_scatter_q8: [0; 2],
+            per_contrast: Factor::ONE,
             white_q8,
             rows: NonZeroU16::MIN,
             textured_rows: 0,
@@ -92,7 +96,15 @@ impl EdgeModel {
         let window = Window::new(row, column_q16 >> 8, self.template(), bounds_q8)?;
         let own_q8 = window.levels_q8()?;
         *self.levels_q16.get_mut(row.kind())? = own_q8.map(|level_q8| (level_q8.max(0) as u32) << 8);
+        self.renew_contrast();
         Some(())
+    }
+
+    /// After a change of levels or class.
+    fn renew_contrast(&mut self) {
+        if let Some(per_contrast) = self.template().per_contrast(self.contrast_q8(0)) {
+            self.per_contrast = per_contrast;
+        }
     }
 
     /// Whether rows of this kind show an edge of this polarity.
@@ -133,6 +145,7 @@ impl EdgeModel {
     pub(super) fn widen(&mut self, width_q12: i32) {
         self.blur_toward(width_q12, 0);
         self.class = class_of(self.blur_q12, self.class);
+        self.renew_contrast();
     }
 
     pub(super) fn levels_q8(&self, kind: usize) -> [i32; 2] {
@@ -213,10 +226,12 @@ impl EdgeModel {
         let change_q16 = part(residual_q16 - noise_q16, rows_log2.clamp(LEAST_NOISE_ROWS_LOG2, NOISE_ROWS_LOG2));
         self.noise_q16 = ((noise_q16 + change_q16) as u32).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
         let is_due = |rows: u32| rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << rows);
+        let before = self.class;
         if is_due(CLASS_ROWS_LOG2) {
-            self.class = class_of(self.blur_q12, self.class);
+            self.class = class_of(self.blur_q12, before);
         }
-        if is_due(RENEWAL_ROWS_LOG2) {
+        if is_due(RENEWAL_ROWS_LOG2) || self.class != before {
+            self.renew_contrast();
             self.noise_q8 = self.noise_q16.isqrt() as u16;
         }
     }
