@@ -53,30 +53,30 @@ impl<const KNOTS: usize> Track<KNOTS> {
             unexpected_points: 0,
             around: Around::UNSEEN,
         };
-        track.renew_gate(limits);
+        track.renew_gate(track.memory(), limits);
         track
     }
 
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
-        let gate_q16 = if rows == 1 { u32::from(self.filter.gate_q8) << 8 } else { self.gate_after(rows, limits) };
+        let gate_q16 =
+            if rows == 1 { u32::from(self.filter.gate_q8) << 8 } else { self.gate_after(rows, self.memory(), limits) };
         Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
     }
 
     /// Takes its gate anew where that may have changed.
-    fn renew_gate(&mut self, limits: &Limits) {
+    fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
         let points = self.line.points();
         let is_settled = self.model.is_some() && points > GATE_POINTS;
         if !is_settled || points.is_multiple_of(GATE_POINTS) {
             // It fits: the widest gate is 48 px.
-            self.filter.gate_q8 = self.gate_after(1, limits).div_ceil(256) as u16;
+            self.filter.gate_q8 = self.gate_after(1, memory, limits).div_ceil(256) as u16;
         }
     }
 
     /// How far off its prediction a point so many rows on may lie, in 1/65536 px.
-    fn gate_after(&self, rows: u16, limits: &Limits) -> u32 {
-        let memory = self.memory();
+    fn gate_after(&self, rows: u16, memory: Memory, limits: &Limits) -> u32 {
         let gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
         let gate_q16 = if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
             gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.line.is_beside_texture))
@@ -134,9 +134,10 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.line.push(point).is_err() {
             return false;
         }
-        self.filter.follow(point.column_q16, self.memory(), rows, self.line.is_beside_texture);
+        let memory = self.memory();
+        self.filter.follow(point.column_q16, memory, rows, self.line.is_beside_texture);
         self.missed_rows = 0;
-        self.renew_gate(limits);
+        self.renew_gate(memory, limits);
         // A line that leans more than one may begin with is none of ours, however well it is seen.
         let is_upright = self.filter.slope_q16.unsigned_abs() <= limits.max_slope_q16;
         if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
