@@ -25,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 176 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 184 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -155,10 +155,11 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
+        let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut flanks = Flanks::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut flanks);
-        self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
+        let is_blinded = self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -170,9 +171,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         if !points.is_empty() {
             tracker.demand(setup.limits(), row, &mut demand);
         }
-        refine_alone(points, pixel_row, self.scanner.noise_q8(), &demand);
+        refine_alone(points, row, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
+        if is_blinded || tracker.counters().dropped_points != dropped_points {
+            tracker.count_crowded_row();
+        }
         if let Some(row) = jump {
             self.tear();
             return Err(RowError::Jump { row });
@@ -355,14 +359,18 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: u
     Ok(())
 }
 
-/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that
-/// share a window of the scanner keep their columns, but their widths are not measured.
+/// Refines the scanned points that no line explains and one may take, as well as a single row allows: at most one for
+/// each line of the table, since each costs twice as much as a row of a line; of more, others in each row. Two points
+/// that share a window of the scanner keep their columns, but their widths are not measured.
 fn refine_alone<P: Pixels, const LINES: usize>(
     points: &mut [EdgePoint],
+    row: u16,
     pixels: PixelRow<'_, P>,
     noise_q8: u32,
     demand: &Demand<LINES>,
 ) {
+    let every = points.len().div_ceil(LINES).max(1);
+    let mut turn = usize::from(row).checked_rem(every).unwrap_or(0);
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {
@@ -372,7 +380,10 @@ fn refine_alone<P: Pixels, const LINES: usize>(
         if !demand.asks_for(point) {
             continue;
         }
-        match EdgeModel::refine_alone(pixels, point, around, noise_q8) {
+        turn += 1;
+        let refined = if turn < every { None } else { EdgeModel::refine_alone(pixels, point, around, noise_q8) };
+        turn = if turn < every { turn } else { 0 };
+        match refined {
             Some(sharper) => *point = sharper,
             None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => point.width_q8 = 0,
             None => {}

@@ -53,9 +53,9 @@ const LEAST_REACH_Q16: i32 = 5 << 15;
 /// Half of the scanner's window, which sees an edge so much before its flank.
 const WINDOW_Q16: i32 = 4 << 16;
 
-/// The scanner leaves out whole blocks of 16 pixels: what is that near to a flank, on either side, may lie in one, or its
+/// The scanner leaves out whole spans of eight pixels: what is that near to a flank, on either side, may lie in one, or its
 /// windows.
-const NEAR_PX: u32 = 2 * 16 + 4;
+const NEAR_PX: u32 = 2 * 8 + 4;
 
 /// How far from its column a scanned point of a line may lie, in 1/65536 px: a row of a long blur may be wider than the
 /// blur itself can be.

@@ -14,7 +14,7 @@ pub(super) struct Table<const LINES: usize, const KNOTS: usize> {
     slots: [Slot<KNOTS>; LINES],
     /// Places of the lines under way, about from left to right, and of those that have ended.
     under_way: Vec<u16, LINES>,
-    ended: Vec<u16, LINES>,
+    ended: Vec<u16, LINES, u16>,
     /// No place before this one is free.
     occupied: usize,
 }

@@ -190,8 +190,18 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.take(point, limits)
     }
 
+    /// Whether this row has shown it, and it has no model yet.
+    pub(super) fn is_to_learn(&self, row: u16) -> bool {
+        self.state == State::Confirmed && self.model.is_none() && self.line.last().row == row
+    }
+
+    /// Whether it has never been looked at what is around it, which is then looked at as a whole.
+    pub(super) fn is_unseen(&self) -> bool {
+        self.line.prominence.is_unseen()
+    }
+
     /// Looks at what is around its last point.
-    pub(crate) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
+    pub(super) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
         self.around.look(&mut self.line.prominence, row, &self.line.last);
     }
 

@@ -12,7 +12,7 @@ use super::line::Line;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::YOUNG_POINTS;
+use super::tuning::{MODELS_A_ROW, YOUNG_POINTS};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -133,19 +133,35 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Looks at what is around the confirmed lines that this row has shown, and gives those that are new a model of
-    /// their edge.
+    /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
+    /// a model of their edge.
     pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
         for index in 0..self.table.under_way().len() {
             let Some(place) = self.table.under_way().get(index).copied() else { return };
             let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-            if let Some(track) = self.table.track_mut(place).filter(is_seen) {
+            if let Some(track) = self.table.track_mut(place).filter(is_seen).filter(|track| !track.is_unseen()) {
                 track.look_around(pixels);
-                if track.model.is_none() {
-                    self.learn(place, pixels, noise_q8);
-                }
             }
         }
+        let mut last = (0, 0);
+        for _ in 0..MODELS_A_ROW {
+            let Some(next) = self.newest_to_learn(row, last) else { return };
+            let (_, place) = next;
+            if let Some(track) = self.table.track_mut(place).filter(|track| track.is_unseen()) {
+                track.look_around(pixels);
+            }
+            self.learn(place, pixels, noise_q8);
+            last = next;
+        }
+    }
+
+    /// The newest line after the last one, by its points and its place, of those that lack a model.
+    fn newest_to_learn(&self, row: u16, last: (u16, u16)) -> Option<(u16, u16)> {
+        let asking = self.table.under_way().iter().filter_map(|place| {
+            let track = self.table.track(*place).filter(|track| track.is_to_learn(row))?;
+            Some((track.line.points(), *place))
+        });
+        asking.filter(|line| *line > last).min()
     }
 
     /// Gives a line a model of its edge, from the row in which it was last seen.
@@ -209,6 +225,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Counts points that belong to no line.
     pub(crate) fn count_stray(&mut self, points: u32) {
         self.counters.stray_points = self.counters.stray_points.saturating_add(points);
+    }
+
+    /// Counts a row that could not be read whole.
+    pub(crate) fn count_crowded_row(&mut self) {
+        self.counters.crowded_rows = self.counters.crowded_rows.saturating_add(1);
     }
 
     /// Counts a point for which there was no room.
