@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Explained, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
+use crate::line::{Counters, Demand, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -136,7 +136,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a
     /// frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and two to four thousand for each edge; docs/budget.md has
+    /// *Cost*: some seven to twelve instructions a pixel and two to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
@@ -157,16 +157,15 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
-        let mut explained = Explained::new();
         let mut flanks = Flanks::new();
-        tracker.locate(setup.limits(), at, pixel_row, &mut explained, &mut flanks);
+        tracker.locate(setup.limits(), at, pixel_row, &mut flanks);
         let is_blinded = self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
             }
         });
-        tracker.remove_explained(&mut explained, points);
+        tracker.remove_explained(row, points);
         tracker.count_points(points.len() as u32);
         let mut demand = Demand::new();
         if !points.is_empty() {
