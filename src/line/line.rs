@@ -153,6 +153,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels && self.prominence.is_by_chance(self.points, rows)
     }
 
+    /// Whether a pipeline may have made the edge narrower: its levels overshoot, or nobody has seen its pixels.
+    pub(crate) fn may_be_sharpened(&self) -> bool {
+        !self.of_pixels || self.prominence.has_halo()
+    }
+
     /// Mean contrast in grey levels, whatever its polarity; zero for a line of points that were handed over.
     pub(crate) fn contrast(&self) -> u8 {
         self.prominence.contrast()

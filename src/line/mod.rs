@@ -3,6 +3,7 @@
 mod tuning;
 mod row_clock;
 mod knot;
+mod halo;
 mod prominence;
 mod line;
 mod association;

@@ -1,10 +1,16 @@
 //! The numbers of this room that were chosen rather than derived: unit, reason, and the tests that watch them.
 
-/// A line is one by chance unless its mean contrast exceeds that of parallel lines around by so many of their
-/// deviations. A frame has some 10⁵ places for a line, which normal values need 4.5 for; texture has longer tails, the
-/// tracker follows what is strongest, and crossing bars are coherent (`false_distances::of_clutter` with 11; fewer real
-/// edges with more).
-pub(super) const CHANCE_SIGMAS: u64 = 12;
+/// Half sigmas. A line is one by chance unless its mean contrast exceeds that of parallel lines around by 4.5 of their
+/// deviations: a frame has some 10⁵ places for a line (`false_distances::of_clutter`, and fewer real edges with more).
+pub(super) const CHANCE_SIGMAS_Q1: u64 = 9;
+
+/// Texture has longer tails than normal values, of which the mean of many rows keeps nothing: for so many rows the
+/// limit above is doubled, for fewer it is more (`false_distances::of_texture`, `false_distances::of_clutter`).
+pub(super) const TAIL_ROWS: u64 = 40;
+
+/// An edge whose levels both overshoot by one of so many parts of its contrast is sharpened
+/// (`real_cameras::sharpened_5x5`; `false_distances::of_leaning_bars` with more parts).
+pub(super) const LEAST_HALO_PARTS: i32 = 64;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).
