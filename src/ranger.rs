@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Explained, Line, RowClock, RowTime, Tracker};
+use crate::line::{Counters, Demand, Explained, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -25,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 176 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 184 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -105,23 +105,24 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// *Cost*: a binary search in the row's points, and a move of those on the right of it.
     pub fn edge_point<S: Scalar>(&mut self, setup: &Setup<S>, point: EdgePoint) -> Result<(), EdgeError> {
         check_values(setup, &point)?;
-        let last = self.last_row()?;
-        self.check_order(setup, last, &point)?;
-        let mut clock = last.map_or_else(|| RowClock::new(setup, point.row, point.time_ns), |last| last.clock);
-        let was_irregular = clock.is_irregular;
-        let time_ns = clock.time_ns(setup, point.row, point.time_ns)?;
-        if last.is_some_and(|last| last.row != point.row) {
-            self.complete_row(setup)?;
-        }
-        if clock.is_irregular && !was_irregular {
-            self.tracker.retime(setup.readout());
-        }
-        let latest_ns = last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
-        self.frame = Frame::OfPoints(LastRow { row: point.row, time_ns: latest_ns, complete: false, clock });
-        let point = EdgePoint { time_ns, ..point };
+        let (at, time_ns) = match &mut self.frame {
+            Frame::OfPoints(last) if last.row == point.row && !last.complete => {
+                let EdgePoint { row, column_q16, .. } = point;
+                let Err(at) = self.row.binary_search_by_key(&column_q16, |other| other.column_q16) else {
+                    return Err(EdgeError::Duplicate { row, column_q16 });
+                };
+                let was_irregular = last.clock.is_irregular;
+                let time_ns = last.clock.time_ns(setup, row, point.time_ns)?;
+                last.time_ns = last.time_ns.max(point.time_ns);
+                if last.clock.is_irregular && !was_irregular {
+                    self.tracker.retime(setup.readout());
+                }
+                (at, time_ns)
+            }
+            _ => (0, self.begin_row(setup, &point)?),
+        };
         self.tracker.count_points(1);
-        let at = self.row.partition_point(|other| other.column_q16 < point.column_q16);
-        if self.row.insert(at, point).is_err() {
+        if self.row.insert(at, EdgePoint { time_ns, ..point }).is_err() {
             self.tracker.count_dropped_point();
         }
         Ok(())
@@ -157,10 +158,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
-        tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        let mut columns: Vec<_, LINES> = Vec::new();
-        explained.add_columns(row, &mut columns);
-        let is_blinded = self.scanner.scan_beside(pixels, &columns, |point| {
+        let mut flanks = Flanks::new();
+        tracker.locate(setup.limits(), at, pixel_row, &mut explained, &mut flanks);
+        let is_blinded = self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -310,24 +310,25 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         Ok(())
     }
 
-    fn check_order<S: Scalar>(
-        &self,
-        setup: &Setup<S>,
-        last: Option<LastRow>,
-        point: &EdgePoint,
-    ) -> Result<(), EdgeError> {
-        let EdgePoint { row, column_q16, time_ns, .. } = *point;
-        if last.is_some_and(|last| last.row == row && !last.complete) {
-            let twice = self.row.binary_search_by_key(&column_q16, |other| other.column_q16).is_ok();
-            return if twice { Err(EdgeError::Duplicate { row, column_q16 }) } else { Ok(()) };
-        }
+    /// Completes the row before that of this point, and takes the point's time for that of a new row.
+    #[inline(never)]
+    fn begin_row<S: Scalar>(&mut self, setup: &Setup<S>, point: &EdgePoint) -> Result<i64, EdgeError> {
+        let (last, row) = (self.last_row()?, point.row);
         check_row_order(setup, last, row)?;
-        match last {
-            Some(LastRow { time_ns: previous_ns, .. }) if time_ns < previous_ns => {
-                Err(EdgeError::TimeOrder { time_ns, previous_ns })
-            }
-            _ => Ok(()),
+        if let Some(LastRow { time_ns: previous_ns, .. }) = last
+            && point.time_ns < previous_ns
+        {
+            return Err(EdgeError::TimeOrder { time_ns: point.time_ns, previous_ns });
         }
+        let mut clock = last.map_or_else(|| RowClock::new(setup, row, point.time_ns), |last| last.clock);
+        let was_irregular = clock.is_irregular;
+        let time_ns = clock.time_ns(setup, row, point.time_ns)?;
+        self.complete_row(setup)?;
+        if clock.is_irregular && !was_irregular {
+            self.tracker.retime(setup.readout());
+        }
+        self.frame = Frame::OfPoints(LastRow { row, time_ns: point.time_ns, complete: false, clock });
+        Ok(time_ns)
     }
 }
 

@@ -38,8 +38,7 @@ impl<P: Pixels> PixelRow<'_, P> {
     /// The light of a stretch, where that is its grey bytes.
     #[inline(always)]
     pub(super) fn light_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
-        let grey = self.pixels.grey().filter(|_| self.response.is_identity())?;
-        Some(grey.get(stretch.columns()).unwrap_or_default())
+        self.pixels.grey().filter(|_| self.response.is_identity())?.get(stretch.columns())
     }
 
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.

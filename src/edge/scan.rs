@@ -115,16 +115,17 @@ impl Scanner {
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
     /// right.
     pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
-        let _ = self.scan_beside(pixels, &[], found);
+        let _ = self.scan_beside(pixels, &[], true, found);
     }
 
-    /// Likewise, but for stretches of columns whose differences are explained: they need no look. Where something else
-    /// is near, edges in such a stretch can still be handed over. Whether texture or noise everywhere hides edges that
-    /// are anything but faint.
+    /// Likewise, but for the flanks of known edges, from left to right: positions whose differences are these edges'
+    /// own. What differs elsewhere in the spans with such a flank is looked at only where that is asked for. Whether
+    /// texture or noise everywhere hides edges that are anything but faint.
     pub(crate) fn scan_beside(
         &mut self,
         pixels: impl Pixels,
-        explained: &[Range<u16>],
+        flanks: &[Range<u16>],
+        looks_beside: bool,
         mut found: impl FnMut(ScannedPoint),
     ) -> bool {
         self.across.learn(&pixels);
@@ -136,8 +137,12 @@ impl Scanner {
         let least = ((THRESHOLD_SIGMAS * usual_q8) >> 8).max(LEAST_DIFFERENCE);
         let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise_q8) >> 9);
         let mut seen = 0;
-        let look = |from, to| seen = fine(&pixels, (from, to), seen, (least as i32, noise_q8), &mut found);
-        coarse(&pixels, least_peak, explained, look);
+        let look = |from, to| {
+            between(flanks, from..to, |positions| {
+                seen = fine(&pixels, positions, seen, (least as i32, noise_q8), &mut found);
+            });
+        };
+        coarse(&pixels, least_peak, if looks_beside { &[] } else { flanks }, look);
         least > WINDOW as u32 * MOST_HIDDEN
     }
 }
@@ -283,6 +288,27 @@ fn add_stretch(open: &mut Option<(usize, usize)>, span: usize, stretch: &mut imp
     }
 }
 
+/// Hands over the positions of a stretch, and the one before, which the coarse scan has not compared, but for those in
+/// a flank.
+fn between(flanks: &[Range<u16>], stretch: Range<usize>, mut look: impl FnMut(Range<usize>)) {
+    let (mut start, end) = (stretch.start.saturating_sub(1), stretch.end);
+    for flank in flanks {
+        let (from, to) = (usize::from(flank.start), usize::from(flank.end));
+        if from >= end {
+            break;
+        }
+        if to > start {
+            if from > start {
+                look(start..from);
+            }
+            start = to;
+        }
+    }
+    if start < end {
+        look(start..end);
+    }
+}
+
 /// Sums over a run of differences of one sign, in 32 bits up to [`Run::LONGEST`].
 #[derive(Clone, Copy)]
 struct Run {
@@ -371,21 +397,20 @@ fn ratio_q16(numerator: u32, denominator: u32) -> u32 {
         .unwrap_or(0)
 }
 
-/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the noise. A run
+/// Slides the difference of two windows over some positions and hands over each run of one sign beyond the noise. A run
 /// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier look.
 /// Returns the last one of this look.
 fn fine(
     pixels: &impl Pixels,
-    (from, to): (usize, usize),
+    positions: Range<usize>,
     seen: usize,
     (least, noise_q8): (i32, u32),
     found: &mut impl FnMut(ScannedPoint),
 ) -> usize {
     // Position k compares the pixels before k with those from there on, four of each.
     let (Some(last), earliest) = (pixels.columns().checked_sub(WINDOW), seen.max(WINDOW)) else { return seen };
-    let (end, end_of_row) = (to.min(last + 1), last + 1);
-    // Boundaries between those of which the coarse scan has seen that they do not count.
-    let start = from.saturating_sub(1).max(earliest);
+    let (end, end_of_row) = (positions.end.min(last + 1), last + 1);
+    let start = positions.start.max(earliest);
     if start >= end {
         return seen;
     }

@@ -6,7 +6,7 @@ use super::association::{Association, Outcome, Pair};
 use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
 use super::demand::Demand;
-use super::explained::Explained;
+use super::explained::{Explained, Flanks};
 use super::jump::Jump;
 use super::line::Line;
 use super::stitch::stitch_all;
@@ -77,38 +77,37 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         jump.is_common().then_some(begun_in)
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain. To be
-    /// called before the row is scanned.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain and what the
+    /// scan may leave out. To be called before the row is scanned.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
         at: RowTime,
         pixels: PixelRow<'_, P>,
         explained: &mut Explained<LINES>,
+        flanks: &mut Flanks<LINES>,
     ) {
         let mut candidates = Candidates::new();
         self.expect(limits, at.row, &mut candidates);
         let mut located = 0;
+        // Others may lie near located ones, also hidden ones, which another one may continue.
+        let mut others: Vec<i32, LINES> = Vec::new();
         for index in 0..candidates.len() {
-            let Some(candidate) = candidates.get(index).filter(|candidate| candidate.role == Role::Confirmed) else {
-                continue;
-            };
-            if !candidate.prediction.coasting
-                && let Some(track) = self.table.track_mut(candidate.slot)
-                && track.locate(&candidate.prediction, at, pixels, candidates.around(index), limits)
+            let Some(Candidate { prediction, slot, role, .. }) = candidates.get(index) else { continue };
+            let is_sought = *role == Role::Confirmed && !prediction.coasting;
+            if is_sought
+                && let Some(track) = self.table.track_mut(*slot)
+                && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
-                candidates.mark_located(index);
+                explained.add(track.line.last());
                 located += 1;
+            } else {
+                // There is room: one for each line.
+                let _ = others.push(prediction.column_q16);
             }
         }
         self.count_points(located);
-        // Others may lie near them, also hidden ones, which another one may continue.
-        let others = || candidates.iter().filter(|other| !other.is_located);
-        for line in candidates.iter().filter(|line| line.is_located) {
-            if let Some(track) = self.table.track(line.slot) {
-                explained.add(track.line.last(), others().map(|other| other.prediction.column_q16));
-            }
-        }
+        explained.add_flanks(&others, flanks);
     }
 
     /// Removes the scanned points that located lines explain. To be called before [`Tracker::row`] takes the others.
@@ -253,7 +252,6 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     slot: *place,
                     polarity: track.line.first().polarity,
                     role,
-                    is_located: false,
                 });
             }
         }
@@ -281,7 +279,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let mut tentative = Association::over(lines(Role::Tentative));
         let last = |settled: Outcome<'e>, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
-            Outcome::Unmatched(point) => tracker.begin(*point),
+            Outcome::Unmatched(point) => tracker.begin(*point, limits),
         };
         let mut first = |settled: Outcome<'e>, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
@@ -300,13 +298,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return;
         }
         if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(pair.point, limits)) {
-            self.begin(*pair.point);
+            self.begin(*pair.point, limits);
         }
     }
 
     /// Starts a tentative line, if there is room.
-    fn begin(&mut self, point: EdgePoint) {
-        if !self.table.begin(point) {
+    fn begin(&mut self, point: EdgePoint, limits: &Limits) {
+        if !self.table.begin(point, limits) {
             self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
             self.count_dropped_point();
         }

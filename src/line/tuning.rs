@@ -69,6 +69,10 @@ pub(super) const MOST_SCATTER_Q16: u16 = 1 << 15;
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: u32 = 48 << 16;
 
+/// The gate of a line that its model locates changes slowly: it is taken anew once in so many points
+/// (`clutter::crossing_bars_lead_no_line_astray`, `cargo xtask budget --use "two bars"`).
+pub(super) const GATE_POINTS: u16 = 16;
+
 /// A line that jumps ends, and begins again, within so many rows: each is found or lost a row or two late
 /// (`jumps::missing_rows_are_noticed`).
 pub(super) const JUMP_ROWS: u16 = 3;
