@@ -48,17 +48,16 @@ impl<N: Near> LensPoint<N> {
 
 impl<'a, S: Scalar> RaySpans<'a, S> {
     pub(crate) fn new(camera: &'a Camera<S>) -> Self {
+        let is_wide = S::Near::IS_WIDE;
         let (distortion, margin) = (camera.distortion(), S::ratio(17, 16));
-        let largest = camera.largest().map(|size| size * margin);
-        let is_near = S::Near::IS_WIDE || distortion.is_near(largest);
-        let lens = (is_near && !camera.is_straight()).then(|| distortion.near_lens());
-        let [u, w] = largest;
+        let [u, w] = camera.largest().map(|size| if is_wide { size } else { size * margin });
+        let is_near = !camera.is_straight() && (is_wide || distortion.is_near([u, w]));
         let nearness = Nearness {
             step_squared: S::Near::ratio(1, NEAR_SQUARE),
             residual: (S::EPSILON * S::from_i32(32)).near(0),
-            farthest: (!S::Near::IS_WIDE).then(|| u.max(w).near(0)),
+            farthest: (!is_wide).then(|| u.max(w).near(0)),
         };
-        Self { camera, lens, nearness, last: None }
+        Self { camera, lens: is_near.then(|| distortion.near_lens()), nearness, last: None }
     }
 
     /// Of the pixels from `half` before `at` to `half` after it, both column and row; `None` where the model of the lens
