@@ -420,7 +420,7 @@ fn fence(period_px: f64, duty: f64, share: f64, contrast: f32, seed: u64) -> (Ve
 }
 
 /// However many upright edges there are over the whole row, they are neither noise nor texture, and no period hides
-/// them in sums of pixels. Below a contrast of 60 some periods still do.
+/// them in sums of pixels.
 #[test]
 fn fences_are_edges() {
     let mut missed = Vec::new();

@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Explained, Line, RowClock, RowTime, Tracker};
+use crate::line::{Counters, Demand, Explained, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -25,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 176 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 184 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -105,23 +105,24 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// *Cost*: a binary search in the row's points, and a move of those on the right of it.
     pub fn edge_point<S: Scalar>(&mut self, setup: &Setup<S>, point: EdgePoint) -> Result<(), EdgeError> {
         check_values(setup, &point)?;
-        let last = self.last_row()?;
-        self.check_order(setup, last, &point)?;
-        let mut clock = last.map_or_else(|| RowClock::new(setup, point.row, point.time_ns), |last| last.clock);
-        let was_irregular = clock.is_irregular;
-        let time_ns = clock.time_ns(setup, point.row, point.time_ns)?;
-        if last.is_some_and(|last| last.row != point.row) {
-            self.complete_row(setup)?;
-        }
-        if clock.is_irregular && !was_irregular {
-            self.tracker.retime(setup.readout());
-        }
-        let latest_ns = last.map_or(point.time_ns, |last| last.time_ns.max(point.time_ns));
-        self.frame = Frame::OfPoints(LastRow { row: point.row, time_ns: latest_ns, complete: false, clock });
-        let point = EdgePoint { time_ns, ..point };
+        let (at, time_ns) = match &mut self.frame {
+            Frame::OfPoints(last) if last.row == point.row && !last.complete => {
+                let EdgePoint { row, column_q16, .. } = point;
+                let Err(at) = self.row.binary_search_by_key(&column_q16, |other| other.column_q16) else {
+                    return Err(EdgeError::Duplicate { row, column_q16 });
+                };
+                let was_irregular = last.clock.is_irregular;
+                let time_ns = last.clock.time_ns(setup, row, point.time_ns)?;
+                last.time_ns = last.time_ns.max(point.time_ns);
+                if last.clock.is_irregular && !was_irregular {
+                    self.tracker.retime(setup.readout());
+                }
+                (at, time_ns)
+            }
+            _ => (0, self.begin_row(setup, &point)?),
+        };
         self.tracker.count_points(1);
-        let at = self.row.partition_point(|other| other.column_q16 < point.column_q16);
-        if self.row.insert(at, point).is_err() {
+        if self.row.insert(at, EdgePoint { time_ns, ..point }).is_err() {
             self.tracker.count_dropped_point();
         }
         Ok(())
@@ -154,12 +155,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
+        let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut explained = Explained::new();
-        tracker.locate(setup.limits(), at, pixel_row, &mut explained);
-        let mut columns: Vec<_, LINES> = Vec::new();
-        explained.add_columns(row, &mut columns);
-        self.scanner.scan_beside(pixels, &columns, |point| {
+        let mut flanks = Flanks::new();
+        tracker.locate(setup.limits(), at, pixel_row, &mut explained, &mut flanks);
+        let is_blinded = self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -171,9 +172,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         if !points.is_empty() {
             tracker.demand(setup.limits(), row, &mut demand);
         }
-        refine_alone(points, pixel_row, self.scanner.noise_q8(), &demand);
+        refine_alone(points, row, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
+        if is_blinded || tracker.counters().dropped_points != dropped_points {
+            tracker.count_crowded_row();
+        }
         if let Some(row) = jump {
             self.tear();
             return Err(RowError::Jump { row });
@@ -306,24 +310,25 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         Ok(())
     }
 
-    fn check_order<S: Scalar>(
-        &self,
-        setup: &Setup<S>,
-        last: Option<LastRow>,
-        point: &EdgePoint,
-    ) -> Result<(), EdgeError> {
-        let EdgePoint { row, column_q16, time_ns, .. } = *point;
-        if last.is_some_and(|last| last.row == row && !last.complete) {
-            let twice = self.row.binary_search_by_key(&column_q16, |other| other.column_q16).is_ok();
-            return if twice { Err(EdgeError::Duplicate { row, column_q16 }) } else { Ok(()) };
-        }
+    /// Completes the row before that of this point, and takes the point's time for that of a new row.
+    #[inline(never)]
+    fn begin_row<S: Scalar>(&mut self, setup: &Setup<S>, point: &EdgePoint) -> Result<i64, EdgeError> {
+        let (last, row) = (self.last_row()?, point.row);
         check_row_order(setup, last, row)?;
-        match last {
-            Some(LastRow { time_ns: previous_ns, .. }) if time_ns < previous_ns => {
-                Err(EdgeError::TimeOrder { time_ns, previous_ns })
-            }
-            _ => Ok(()),
+        if let Some(LastRow { time_ns: previous_ns, .. }) = last
+            && point.time_ns < previous_ns
+        {
+            return Err(EdgeError::TimeOrder { time_ns: point.time_ns, previous_ns });
         }
+        let mut clock = last.map_or_else(|| RowClock::new(setup, row, point.time_ns), |last| last.clock);
+        let was_irregular = clock.is_irregular;
+        let time_ns = clock.time_ns(setup, row, point.time_ns)?;
+        self.complete_row(setup)?;
+        if clock.is_irregular && !was_irregular {
+            self.tracker.retime(setup.readout());
+        }
+        self.frame = Frame::OfPoints(LastRow { row, time_ns: point.time_ns, complete: false, clock });
+        Ok(time_ns)
     }
 }
 
@@ -355,14 +360,18 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: u
     Ok(())
 }
 
-/// Refines the scanned points that no line explains and one may take, as well as a single row allows. Two points that
-/// share a window of the scanner keep their columns, but their widths are not measured.
+/// Refines the scanned points that no line explains and one may take, as well as a single row allows: at most one for
+/// each line of the table, since each costs twice as much as a row of a line; of more, others in each row. Two points
+/// that share a window of the scanner keep their columns, but their widths are not measured.
 fn refine_alone<P: Pixels, const LINES: usize>(
     points: &mut [EdgePoint],
+    row: u16,
     pixels: PixelRow<'_, P>,
     noise_q8: u32,
     demand: &Demand<LINES>,
 ) {
+    let every = points.len().div_ceil(LINES).max(1);
+    let mut turn = usize::from(row).checked_rem(every).unwrap_or(0);
     let mut left_q16 = Neighbours::NONE.left_q16;
     let mut rest = points.iter_mut().peekable();
     while let Some(point) = rest.next() {
@@ -372,7 +381,10 @@ fn refine_alone<P: Pixels, const LINES: usize>(
         if !demand.asks_for(point) {
             continue;
         }
-        match EdgeModel::refine_alone(pixels, point, around, noise_q8) {
+        turn += 1;
+        let refined = if turn < every { None } else { EdgeModel::refine_alone(pixels, point, around, noise_q8) };
+        turn = if turn < every { turn } else { 0 };
+        match refined {
             Some(sharper) => *point = sharper,
             None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => point.width_q8 = 0,
             None => {}

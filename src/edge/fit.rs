@@ -1,9 +1,10 @@
 //! From a row of pixels and the model of an edge to what the row says of it ([`Fit`]).
 
+use super::factor::{Factor, shifted};
 use super::level_moments::FreeLevels;
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
-use super::norms::{Norms, saturated};
+use super::norms::Norms;
 use super::pixel_row::PixelRow;
 use super::template::Template;
 use super::whole_window::WholeWindow;
@@ -15,12 +16,25 @@ struct Step<'t> {
     template: &'t Template,
     norms: &'t Norms,
     moments: Moments,
-    contrast_q8: i32,
+    contrast: Contrast,
     /// Product of the slope with itself, less what free levels explain, where they are free.
     free_slope_slope: Option<i32>,
     centre_q8: i32,
     /// The row's own levels minus the mean ones.
     off_q8: [i32; 2],
+}
+
+/// Of a row.
+struct Contrast {
+    is_falling: bool,
+    /// b over its size, in 1/2¹⁸ px and grey level.
+    reciprocal: Factor,
+}
+
+impl Contrast {
+    fn of(contrast_q8: i32, template: &Template) -> Option<Self> {
+        Some(Self { is_falling: contrast_q8 < 0, reciprocal: template.per_contrast(contrast_q8)? })
+    }
 }
 
 impl EdgeModel {
@@ -30,10 +44,10 @@ impl EdgeModel {
         match WholeWindow::new(&row, column_q8, template, bounds_q8).filter(|_| !self.is_textured()) {
             Some(window) => {
                 let own_q8 = window.levels_q8(template);
-                let (off_q8, contrast_q8) = self.against_means(row.kind(), own_q8)?;
+                let (off_q8, contrast) = self.against_means(row.kind(), own_q8)?;
                 let moments = window.moments(own_q8);
                 let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
-                Step { template, norms, moments, contrast_q8, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
+                Step { template, norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
             }
             None => self.fit_in_window(row, column_q8, bounds_q8),
         }
@@ -54,9 +68,9 @@ impl EdgeModel {
             return self.with_free_levels(&window, &norms)?.fit(self);
         }
         let own_q8 = window.levels_q8()?;
-        let (off_q8, contrast_q8) = self.against_means(row.kind(), own_q8)?;
+        let (off_q8, contrast) = self.against_means(row.kind(), own_q8)?;
         let (moments, centre_q8, template) = (window.moments(own_q8), window.centre_q8, self.template());
-        Step { template, norms: &norms, moments, contrast_q8, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
+        Step { template, norms: &norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
     }
 
     /// Whether neither the border nor a neighbour's blur lies within the edge's own blur: its column would be biased.
@@ -72,12 +86,17 @@ impl EdgeModel {
     /// rows alike: for a line it comes to the same, and each row for itself knows neither lag nor drift, and no bad
     /// start.
     #[inline(always)]
-    fn against_means(&self, kind: usize, own_q8: [i32; 2]) -> Option<([i32; 2], i32)> {
+    fn against_means(&self, kind: usize, own_q8: [i32; 2]) -> Option<([i32; 2], Contrast)> {
         let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(kind), own_q8);
         let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
         let [left_change_q8, right_change_q8] = off_q8.map(|off_q8| self.departure(off_q8));
-        let contrast_q8 = alike(right_q8 - left_q8, right_change_q8 - left_change_q8)?;
-        Some((off_q8, contrast_q8))
+        let (usual_q8, more_q8) = (right_q8 - left_q8, right_change_q8 - left_change_q8);
+        let contrast = if kind == 0 && more_q8 == 0 {
+            Contrast { is_falling: usual_q8 < 0, reciprocal: self.per_contrast }
+        } else {
+            Contrast::of(alike(usual_q8, more_q8)?, self.template())?
+        };
+        Some((off_q8, contrast))
     }
 
     /// Beside texture a plateau hardly tells the level at the edge: the edge's own pixels do. With one of the levels
@@ -93,10 +112,10 @@ impl EdgeModel {
         let [found_left_q8, found_right_q8] = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
         let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
         let [left_off_q8, right_off_q8] = off_q8;
-        let contrast_q8 = alike(right_q8 - left_q8, right_off_q8 - left_off_q8)?;
+        let contrast = Contrast::of(alike(right_q8 - left_q8, right_off_q8 - left_off_q8)?, self.template())?;
         let moments = window.moments([found_left_q8, found_right_q8]);
         let (free_slope_slope, centre_q8, template) = (Some(slope_slope), window.centre_q8, self.template());
-        Some(Step { template, norms, moments, contrast_q8, free_slope_slope, centre_q8, off_q8 })
+        Some(Step { template, norms, moments, contrast, free_slope_slope, centre_q8, off_q8 })
     }
 
     /// What to add to a mean level for this row, in 1/256 grey level: nothing, or what the row itself shows where that
@@ -119,19 +138,19 @@ fn alike(usual_q8: i32, more_q8: i32) -> Option<i32> {
 impl Step<'_> {
     #[inline(always)]
     fn fit(&self, model: &EdgeModel) -> Option<Fit> {
-        let Self { template, norms, moments, contrast_q8, free_slope_slope, centre_q8, off_q8 } = self;
-        // b/A in 1/2¹⁸ px and grey level.
-        let size_q18 = (u32::from(template.box_q8) << 16).checked_div(contrast_q8.unsigned_abs() >> 2)?;
-        let per_level_q18 = if *contrast_q8 < 0 { -(size_q18 as i32) } else { size_q18 as i32 };
-        let shift_q16 = saturated((i64::from(moments.shift_q16(norms)) * i64::from(per_level_q18)) >> 16);
+        let Self { template, norms, moments, contrast, free_slope_slope, centre_q8, off_q8 } = self;
+        let (slope, widening) = (moments.residual_slope, moments.residual_widening);
+        let (slope, widening) = if contrast.is_falling { (-slope, -widening) } else { (slope, widening) };
+        let per_contrast = contrast.reciprocal;
+        let shift = per_contrast.times(norms.per_slope.times(slope));
+        let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         // Where free levels explain a part of the slope, the rest is less sure.
         let of_noise_q8 = free_slope_slope.map_or(norms.sigma_q8, |slope_slope| norms.sigma_of_part_q8(slope_slope));
-        let sigma_q8 = (u32::from(of_noise_q8) * u32::from(model.noise_q8)) >> 8;
+        let sigma_q14 = (u32::from(of_noise_q8) * u32::from(model.noise_q8)) >> 2;
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
-            // It saturates at 64 px.
-            sigma_q16: sigma_q8.saturating_mul(size_q18) >> 10,
-            width_q12: template.width_q12(moments.widening_q15(norms), per_level_q18),
+            sigma_q16: shifted(per_contrast.times(sigma_q14 as i32), -16 - per_contrast.lost()).unsigned_abs(),
+            width_q12: template.width_q12(widening, norms, per_contrast),
             residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),
             off_q8: *off_q8,
         })

@@ -7,6 +7,7 @@ mod noise;
 mod scan;
 mod spread_function;
 mod weight;
+mod factor;
 mod norms;
 mod template;
 mod moments;

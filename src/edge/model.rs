@@ -2,6 +2,7 @@
 
 use core::num::NonZeroU16;
 
+use super::factor::Factor;
 use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
@@ -27,6 +28,8 @@ pub(crate) struct EdgeModel {
     pub(super) blur_q12: u16,
     /// Mean difference between a row's own level and the running mean, left and right.
     level_scatter_q8: [u16; 2],
+    /// [`Template::per_contrast`] of the mean levels as they were some rows ago; not of a mosaic's odd rows.
+    pub(super) per_contrast: Factor,
     /// One sigma of the pixels' noise when the line was confirmed.
     pub(super) white_q8: u16,
     /// How many; not zero, so that a track without a model is no larger.
@@ -39,6 +42,9 @@ pub(crate) struct EdgeModel {
 
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
+
+/// 45 grey levels, out of which no edge stands: some times as much fits.
+const MOST_NOISE_Q16: u32 = 1 << 27;
 
 /// What one row says, given the model.
 pub(super) struct Fit {
@@ -63,13 +69,14 @@ impl EdgeModel {
         // Its square has 31 bits.
         let white_q8 = row.noise_of_light_q8(edge.column_q16, noise_q8).min(i32::MAX.isqrt() as u32) as u16;
         let blur_q12 = edge.width_q8.clamp(USUAL_BLUR_Q8, MOST_BLUR_Q8) << 4;
-        let noise_q16 = (u32::from(white_q8) * u32::from(white_q8)).max(LEAST_NOISE_Q16);
+        let noise_q16 = (u32::from(white_q8) * u32::from(white_q8)).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
         let mut model = Self {
             levels_q16: [[0; 2]; 2],
             noise_q16,
             noise_q8: noise_q16.isqrt() as u16,
             blur_q12,
             level_scatter_q8: [0; 2],
+            per_contrast: Factor::ONE,
             white_q8,
             rows: NonZeroU16::MIN,
             textured_rows: 0,
@@ -89,7 +96,15 @@ impl EdgeModel {
         let window = Window::new(row, column_q16 >> 8, self.template(), bounds_q8)?;
         let own_q8 = window.levels_q8()?;
         *self.levels_q16.get_mut(row.kind())? = own_q8.map(|level_q8| (level_q8.max(0) as u32) << 8);
+        self.renew_contrast();
         Some(())
+    }
+
+    /// After a change of levels or class.
+    fn renew_contrast(&mut self) {
+        if let Some(per_contrast) = self.template().per_contrast(self.contrast_q8(0)) {
+            self.per_contrast = per_contrast;
+        }
     }
 
     /// Whether rows of this kind show an edge of this polarity.
@@ -130,6 +145,7 @@ impl EdgeModel {
     pub(super) fn widen(&mut self, width_q12: i32) {
         self.blur_toward(width_q12, 0);
         self.class = class_of(self.blur_q12, self.class);
+        self.renew_contrast();
     }
 
     pub(super) fn levels_q8(&self, kind: usize) -> [i32; 2] {
@@ -175,7 +191,22 @@ impl EdgeModel {
     /// Running means: a small part of each new row, more at first.
     pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
         self.rows = self.rows.saturating_add(1);
-        let rows_log2 = 31 - u32::from(self.rows.get()).leading_zeros();
+        if self.rows.get() < 1 << LEVEL_ROWS_LOG2 {
+            self.learn_at_first(kind, fit);
+        } else {
+            self.learn_as_row(kind, fit, LEVEL_ROWS_LOG2);
+        }
+    }
+
+    #[inline(never)]
+    fn learn_at_first(&mut self, kind: usize, fit: &Fit) {
+        self.learn_as_row(kind, fit, self.rows.ilog2());
+    }
+
+    /// From the row of this number, as a power of two.
+    // Inlined, so that shifts are by constants in most rows.
+    #[inline(always)]
+    fn learn_as_row(&mut self, kind: usize, fit: &Fit, rows_log2: u32) {
         let (scatter_log2, levels_log2) = (rows_log2.min(BLUR_ROWS_LOG2), rows_log2.min(LEVEL_ROWS_LOG2));
         // A few rows of something else are no texture.
         let most_q8 = 4 * i32::from(self.white_q8);
@@ -190,15 +221,17 @@ impl EdgeModel {
         self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
         self.blur_toward(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));
         let noise_q16 = self.noise_q16 as i32;
-        let most_q16 = self.noise_q16.saturating_mul(4).saturating_add(1 << 16);
+        let most_q16 = 4 * self.noise_q16 + (1 << 16);
         let residual_q16 = fit.residual_q16.min(most_q16) as i32;
         let change_q16 = part(residual_q16 - noise_q16, rows_log2.clamp(LEAST_NOISE_ROWS_LOG2, NOISE_ROWS_LOG2));
-        self.noise_q16 = (noise_q16 + change_q16).max(LEAST_NOISE_Q16 as i32) as u32;
+        self.noise_q16 = ((noise_q16 + change_q16) as u32).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
         let is_due = |rows: u32| rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << rows);
+        let before = self.class;
         if is_due(CLASS_ROWS_LOG2) {
-            self.class = class_of(self.blur_q12, self.class);
+            self.class = class_of(self.blur_q12, before);
         }
-        if is_due(RENEWAL_ROWS_LOG2) {
+        if is_due(RENEWAL_ROWS_LOG2) || self.class != before {
+            self.renew_contrast();
             self.noise_q8 = self.noise_q16.isqrt() as u16;
         }
     }

@@ -1,5 +1,6 @@
 //! [`Moments`]: inner products over the flank of an edge.
 
+use super::factor::{Factor, upper};
 use super::norms::Norms;
 use super::weight::Weight;
 
@@ -10,15 +11,19 @@ pub(super) struct Moments {
     /// Of residuals in 1/64 grey level, each at most 64 levels.
     residual_residual: i32,
     pub(super) residual_slope: i32,
-    residual_widening: i32,
+    pub(super) residual_widening: i32,
 }
 
 /// A residual counts at most so much, in 1/64 grey level: what is off by more is no noise.
 const MOST_RESIDUAL_Q6: i32 = 64 << 6;
 
-/// A product with a reciprocal. It fits: a mean of residuals over a root of at least 1/47 of the norm.
-fn scaled(value: i32, per_q32: i32, shift: u32) -> i32 {
-    ((i64::from(value) * i64::from(per_q32)) >> shift) as i32
+/// What the best multiple of a weight explains of the residuals' sum of squares, in 1/256 square grey level: the square
+/// of their product with it, over the weight's own. Less than there is where it is more than most pixels can show.
+#[inline(always)]
+fn explained_q8(product: i32, reciprocal: Factor) -> i32 {
+    // So much less that the most fits sixteen bits: 64 grey levels at the largest weight.
+    let part = (product >> (reciprocal.lost() - 9)).clamp(i16::MIN.into(), i16::MAX.into()) as i16;
+    upper(reciprocal.times(product), part) << 3
 }
 
 impl Moments {
@@ -63,28 +68,13 @@ impl Moments {
         self.residual_widening += residual_q6 * i32::from(weight.widening);
     }
 
-    /// What the step is off, in units of its slope: the residual that one unit of slope has, in 1/64 grey level, times
-    /// 65536.
-    pub(super) fn shift_q16(&self, norms: &Norms) -> i32 {
-        scaled(self.residual_slope, norms.per_slope_q32, 16)
-    }
-
-    /// The step's change with the width that fits best, in 1/32768 grey level for each unit of it.
-    pub(super) fn widening_q15(&self, norms: &Norms) -> i32 {
-        scaled(self.residual_widening, norms.per_widening_q32, 23)
-    }
-
     /// Residual variance of a pixel, in 1/65536 square grey level, less what shift and width explain; where the levels
     /// are free, too little would be left without the width's part.
     #[inline(always)]
     pub(super) fn residual_q16(&self, norms: &Norms, has_free_levels: bool) -> u32 {
-        // Either part fits: it is at most the sum of squares of 47 residuals of 255 levels.
-        let of_shift_q8 = ((i64::from(self.shift_q16(norms)) * i64::from(self.residual_slope)) >> 20) as i32;
-        let of_width_q8 = if has_free_levels {
-            0
-        } else {
-            ((i64::from(self.widening_q15(norms)) * i64::from(self.residual_widening)) >> 13) as i32
-        };
+        let of_shift_q8 = explained_q8(self.residual_slope, norms.per_slope);
+        let of_width_q8 = if has_free_levels { 0 } else { explained_q8(self.residual_widening, norms.per_widening) };
+        // It fits: either part is at most the sum of squares of 47 residuals of 255 levels.
         let rest_q8 = ((self.residual_residual >> 4).saturating_sub(of_shift_q8).saturating_sub(of_width_q8)).max(0);
         // It fits: no flank has more than three pixels for a degree of freedom.
         (((rest_q8 as u32 + 2) >> 2) * u32::from(norms.per_freedom_q16)) >> 2

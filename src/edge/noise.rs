@@ -5,7 +5,7 @@
 //! hardly disturb.
 
 use super::pixel_row::grey;
-use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, TEXTURE_LAG};
+use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, MEMORY_LOOKS, SETTLED_LOOKS, TEXTURE_LAG};
 use crate::format::{MosaicRow, Pixels};
 
 /// Pixels of a sum: half the width of the scanner's sliding difference.
@@ -69,7 +69,9 @@ pub(super) struct Down {
     /// Likewise of what a sum of four pixels changes by over [`TEXTURE_LAG`] rows, less what one motion of the row
     /// explains.
     change_q8: u32,
-    rows: u16,
+    /// How often rows were compared, up to [`SETTLED_LOOKS`], and rows since the last time began.
+    looks: u8,
+    turn: u8,
     /// The last three pixels of each column, the last one first.
     pixels: [[u8; 3]; DOWN_COLUMNS],
     /// A sum of four pixels from each column on.
@@ -83,12 +85,19 @@ const LEAST_PIXELS: usize = 2 * DOWN_COLUMNS + 16;
 
 impl Down {
     pub(super) const fn new() -> Self {
-        Self { third_q8: UNKNOWN, change_q8: UNKNOWN, rows: 0, pixels: [[0; 3]; DOWN_COLUMNS], sums: [0; DOWN_COLUMNS] }
+        Self {
+            third_q8: UNKNOWN,
+            change_q8: UNKNOWN,
+            looks: 0,
+            turn: 0,
+            pixels: [[0; 3]; DOWN_COLUMNS],
+            sums: [0; DOWN_COLUMNS],
+        }
     }
 
     /// What comes next is not below what was compared last.
     pub(super) const fn begin_frame(&mut self) {
-        self.rows = 0;
+        self.turn = 0;
     }
 
     /// One sigma of a pixel's noise, in 1/256 grey level.
@@ -107,14 +116,16 @@ impl Down {
         if pixels.columns() < LEAST_PIXELS || pixels.mosaic_row() == Some(MosaicRow::Odd) {
             return;
         }
-        let turn = self.rows % DOWN_ROWS;
+        let turn = self.turn;
         if turn <= 3 {
             self.compare_pixels(pixels, turn == 3);
         }
         if turn == 0 || turn == TEXTURE_LAG {
             self.compare_sums(pixels, turn == TEXTURE_LAG);
+            self.looks = (self.looks + u8::from(turn == TEXTURE_LAG)).min(SETTLED_LOOKS);
         }
-        self.rows = self.rows.wrapping_add(1);
+        let rows = if self.looks < SETTLED_LOOKS { TEXTURE_LAG + 1 } else { DOWN_ROWS };
+        self.turn = if turn + 1 < rows { turn + 1 } else { 0 };
     }
 
     fn compare_pixels(&mut self, pixels: &impl Pixels, is_last: bool) {
@@ -127,7 +138,7 @@ impl Down {
             *before = [level, last, second];
         }
         if is_last {
-            settle(&mut self.third_q8, &thirds);
+            settle(&mut self.third_q8, self.looks, &thirds);
         }
     }
 
@@ -149,7 +160,7 @@ impl Down {
                 .fold((0, 0), |(shared, own), (down, aside)| (shared + down * aside, own + aside * aside));
             let motion_q8 = (shared << 4).checked_div((own >> 4).max(1)).unwrap_or(0).clamp(-1024, 1024);
             let rest = |(down, aside): (i32, i32)| (down - ((motion_q8 * aside) >> 8)).unsigned_abs();
-            settle(&mut self.change_q8, &changes.map(rest));
+            settle(&mut self.change_q8, self.looks, &changes.map(rest));
         }
     }
 }
@@ -162,11 +173,12 @@ fn columns(length: usize) -> impl Iterator<Item = usize> {
     OFF.into_iter().enumerate().map(move |(index, off)| 1 + index * spacing + off)
 }
 
-/// Moves a median a quarter of the way to that of some values, from twice the first one: so few tell it to a factor of
-/// two.
-fn settle(median_q8: &mut u32, values: &[u32; DOWN_COLUMNS]) {
+/// Moves a median to the mean of those of the first looks, then a part of the way to that of the next one; from twice
+/// the first one: so few values tell it to a factor of two.
+fn settle(median_q8: &mut u32, looks: u8, values: &[u32; DOWN_COLUMNS]) {
     let own_q8 = usual_size(|| values.iter().copied());
-    *median_q8 = if *median_q8 == UNKNOWN { 2 * own_q8 } else { (3 * *median_q8 + own_q8) / 4 }.max(1);
+    let (own_q8, looks) = if looks == 0 { (2 * own_q8, 0) } else { (own_q8, u32::from(looks).min(MEMORY_LOOKS)) };
+    *median_q8 = ((*median_q8 * looks + own_q8) / (looks + 1)).max(1);
 }
 
 /// One sigma of normal values from their median size.

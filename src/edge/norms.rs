@@ -1,5 +1,6 @@
 //! [`Norms`]: what turns inner products over a flank into estimates.
 
+use super::factor::Factor;
 use super::weight::Weight;
 
 /// Sums of squares over the pixels of a flank.
@@ -17,9 +18,9 @@ pub(super) struct Squares {
 pub(super) struct Norms {
     /// Of the slope with itself.
     pub(super) slope_slope: i32,
-    /// 2³² over the products of slope and widening with themselves.
-    pub(super) per_slope_q32: i32,
-    pub(super) per_widening_q32: i32,
+    /// One over the products of slope and widening with themselves.
+    pub(super) per_slope: Factor,
+    pub(super) per_widening: Factor,
     /// 2¹⁶ over the degrees of freedom of what remains, in sixteenths of a pixel.
     pub(super) per_freedom_q16: u16,
     /// Sigma of the shift for a unit of noise, in units of b per contrast.
@@ -32,8 +33,8 @@ pub(super) struct Norms {
 impl Norms {
     pub(super) const NONE: Self = Self {
         slope_slope: 0,
-        per_slope_q32: 0,
-        per_widening_q32: 0,
+        per_slope: reciprocal(0),
+        per_widening: reciprocal(0),
         per_freedom_q16: 0,
         sigma_q8: u16::MAX,
         slope: 0,
@@ -78,8 +79,8 @@ impl Squares {
         let of_levels_q12 = ratio(1 << 12, left) + ratio(1 << 12, right);
         Norms {
             slope_slope: self.slope_slope as i32,
-            per_slope_q32: reciprocal_q32(self.slope_slope),
-            per_widening_q32: reciprocal_q32(self.widening_widening),
+            per_slope: reciprocal(self.slope_slope),
+            per_widening: reciprocal(self.widening_widening),
             per_freedom_q16: ratio(1 << 16, freedom_q4) as u16,
             sigma_q8: sigma_q8(self.slope, self.slope_slope, of_levels_q12),
             slope: self.slope as u16,
@@ -102,10 +103,11 @@ const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
     (variance_q15 << 1).isqrt() as u16
 }
 
-/// 2³² over a sum of squares; for one below 3, which no flank has, as much as fits.
-const fn reciprocal_q32(squares: u32) -> i32 {
-    let reciprocal = ratio(u32::MAX, squares);
-    if reciprocal < 1 << 31 { reciprocal as i32 } else { i32::MAX }
+/// One over a sum of squares; of one that is hardly there, over the least that shows an edge, so that at least nine bits
+/// are lost.
+const fn reciprocal(squares: u32) -> Factor {
+    let least = if squares > LEAST_SLOPE_SLOPE { squares } else { LEAST_SLOPE_SLOPE };
+    Factor::of(ratio(u32::MAX, least), 32)
 }
 
 /// A quotient by what is never zero.
@@ -114,9 +116,4 @@ const fn ratio(numerator: u32, denominator: u32) -> u32 {
         Some(quotient) => quotient,
         None => u32::MAX,
     }
-}
-
-/// A product as far as it fits.
-pub(super) fn saturated(value: i64) -> i32 {
-    i32::try_from(value).unwrap_or(if value < 0 { i32::MIN } else { i32::MAX })
 }

@@ -38,8 +38,7 @@ impl<P: Pixels> PixelRow<'_, P> {
     /// The light of a stretch, where that is its grey bytes.
     #[inline(always)]
     pub(super) fn light_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
-        let grey = self.pixels.grey().filter(|_| self.response.is_identity())?;
-        Some(grey.get(stretch.columns()).unwrap_or_default())
+        self.pixels.grey().filter(|_| self.response.is_identity())?.get(stretch.columns())
     }
 
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.
@@ -89,6 +88,38 @@ impl<P: Pixels> PixelRow<'_, P> {
         let left_q8 = self.pixels.levels_q8(from..from + SIDE).fold(0, sum);
         let right_q8 = self.pixels.levels_q8(from + SIDE..pixels.end).fold(0, sum);
         Some(((right_q8 - left_q8) >> 8) as i16)
+    }
+
+    /// On the left of a boundary and on its right, how far the two pixels beyond the flank's `reach` lie above those
+    /// that come four to eight pixels beyond it: grey levels times four pixels. `None` at the border.
+    pub(crate) fn fall_beside(&self, boundary: i32, reach: i32) -> Option<[i16; 2]> {
+        const FAR: usize = 8;
+        let right = usize::try_from(boundary + reach).ok()?;
+        let left = usize::try_from(boundary - reach).ok()?.checked_sub(FAR)?;
+        if right + FAR > self.pixels.columns() {
+            return None;
+        }
+        let fall = |levels: [i16; FAR]| {
+            let [a, b, _, _, e, f, g, h] = levels;
+            2 * (a + b) - (e + f + g + h)
+        };
+        let levels = |from: usize| {
+            let mut levels = [0; FAR];
+            match self.pixels.grey() {
+                Some(grey) => {
+                    let grey = grey.get(from..from + FAR).unwrap_or_default();
+                    levels.iter_mut().zip(grey).for_each(|(level, grey)| *level = i16::from(*grey));
+                }
+                None => {
+                    let levels_q8 = self.pixels.levels_q8(from..from + FAR);
+                    levels.iter_mut().zip(levels_q8).for_each(|(level, level_q8)| *level = (level_q8 >> 8) as i16);
+                }
+            }
+            levels
+        };
+        let mut mirrored = levels(left);
+        mirrored.reverse();
+        Some([fall(mirrored), fall(levels(right))])
     }
 
     /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.

@@ -68,6 +68,12 @@ impl EdgePoint {
         Self { sigma_q16, ..self }
     }
 
+    /// The boundary between pixels next to it: boundary k lies between pixels k − 1 and k, whose centres are at whole
+    /// numbers.
+    pub(crate) const fn boundary(&self) -> i32 {
+        (self.column_q16 >> 16) + 1
+    }
+
     /// Column in pixels.
     #[must_use]
     pub fn column_px<S: Scalar>(&self) -> S {

@@ -104,24 +104,23 @@ impl EdgeModel {
 
     /// What remains at most of a row that shows the edge, and the square of two levels for what no step has.
     fn most_residual_q16(&self) -> u32 {
-        self.noise_q16.saturating_mul(MOST_RESIDUAL).saturating_add(1 << 18)
+        self.noise_q16 * MOST_RESIDUAL + (1 << 18)
     }
 
     /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it
     /// once went astray: another step where the one before was large.
     fn approach<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
         let blur_q16 = i32::from(self.blur_q12) << 4;
-        let mut fit = self.fit(row, expected_q16, bounds_q8)?;
-        let mut from_q16 = expected_q16;
-        for _ in 0..MOST_CORRECTIONS {
+        let (mut from_q16, mut corrections) = (expected_q16, 0);
+        loop {
+            let fit = self.fit(row, from_q16, bounds_q8)?;
             let shift_q16 = fit.column_q16.saturating_sub(from_q16);
-            if shift_q16.saturating_abs() <= blur_q16 / 8 {
-                break;
+            if shift_q16.unsigned_abs() <= blur_q16.unsigned_abs() / 8 || corrections == MOST_CORRECTIONS {
+                return Some(fit);
             }
             from_q16 += shift_q16.clamp(-blur_q16, blur_q16);
-            fit = self.fit(row, from_q16, bounds_q8)?;
+            corrections += 1;
         }
-        Some(fit)
     }
 }
 

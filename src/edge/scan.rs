@@ -1,16 +1,16 @@
 //! [`Scanner`]: one row of pixels in, its edge points out, in integers.
 //!
-//! A row is scanned twice. The coarse scan sums blocks of 16 pixels and keeps those whose sum differs from its
-//! neighbour's by more than noise explains: plain sums, at the speed of memory. The fine scan, in those blocks alone,
-//! slides the difference of two windows of four pixels over the row: each run of one sign above the noise is a point of
-//! an edge, and the centroid of the run is its column.
+//! A row is scanned twice. The coarse scan compares the sums of four pixels before and after every second boundary and
+//! keeps the spans of eight pixels where they differ by more than noise explains. The fine scan, in those spans alone,
+//! slides the difference of the two windows over the row: each run of one sign above the noise is a point of an edge,
+//! and the centroid of the run is its column.
 
 use core::ops::Range;
 
 use super::noise::{Across, Down, WINDOW};
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
-use super::tuning::{LEAST_DIFFERENCE, LEAST_NOISE_Q8, THRESHOLD_SIGMAS, UPRIGHT_RATIO};
+use super::tuning::{LEAST_DIFFERENCE, LEAST_NOISE_Q8, MOST_HIDDEN, PEAK_SIGMAS_Q1, THRESHOLD_SIGMAS, UPRIGHT_RATIO};
 use crate::format::Pixels;
 
 /// A point of an edge as a single row of pixels shows it.
@@ -56,9 +56,9 @@ impl ScannedPoint {
 /// of what is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what
 /// is usual across does not, upright edges are usual, as in a fence.
 ///
-/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels, nor a
-/// fence over less than half of the row whose period goes into 16 pixels. *Cost*: one addition per pixel, and about ten
-/// operations per pixel near an edge.
+/// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels; a fence
+/// whose contrast is below 40 levels may pass for texture. *Cost*: some six instructions a pixel, and fifteen more near
+/// an edge.
 ///
 /// ```
 /// use shutter_range::Scanner;
@@ -80,11 +80,15 @@ pub struct Scanner {
     down: Down,
 }
 
-const BLOCK: usize = 16;
-/// Blocks that are looked at together.
+/// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is a
+/// word before it.
+const SPAN: usize = 2 * WINDOW;
+/// Spans that are looked at together.
 const GROUP: usize = 32;
+/// Differences that are reckoned together.
+const SLIDE: usize = 16;
 /// Sum of squares of the offsets in the sliding difference, per unit of its area: its own variance as a blur, times 2.
-const OWN_VARIANCE_Q1: i64 = 5;
+const OWN_VARIANCE_Q1: u32 = 5;
 
 impl Scanner {
     /// Edges at least this far apart have no pixel of their windows in common.
@@ -103,8 +107,7 @@ impl Scanner {
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
-    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame
-    /// before.
+    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame before.
     pub(crate) const fn begin_frame(&mut self) {
         self.down.begin_frame();
     }
@@ -112,45 +115,35 @@ impl Scanner {
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
     /// right.
     pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
-        self.scan_beside(pixels, &[], found);
+        let _ = self.scan_beside(pixels, &[], true, found);
     }
 
-    /// Likewise, but for stretches of columns whose differences are explained: blocks that differ there need no look.
-    /// Where something else is near, edges in such a stretch can still be handed over.
+    /// Likewise, but for the flanks of known edges, from left to right: positions whose differences are these edges'
+    /// own. What differs elsewhere in the spans with such a flank is looked at only where that is asked for. Whether
+    /// texture or noise everywhere hides edges that are anything but faint.
     pub(crate) fn scan_beside(
         &mut self,
         pixels: impl Pixels,
-        explained: &[Range<u16>],
+        flanks: &[Range<u16>],
+        looks_beside: bool,
         mut found: impl FnMut(ScannedPoint),
-    ) {
+    ) -> bool {
         self.across.learn(&pixels);
         self.down.learn(&pixels);
-        let (noise_q8, least) = (self.noise_q8(), self.least_difference());
+        let noise_q8 = self.noise_q8();
+        // One sigma of a difference, which sums eight pixels.
+        let of_noise_q8 = noise_q8 * 181 / 64;
+        let usual_q8 = usual(self.across.difference_q8(), self.down.difference_q8()).max(of_noise_q8);
+        let least = ((THRESHOLD_SIGMAS * usual_q8) >> 8).max(LEAST_DIFFERENCE);
+        let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise_q8) >> 9);
         let mut seen = 0;
-        let mut look = |from, to| seen = fine(&pixels, (from, to), seen, (least as i32, noise_q8), &mut found);
-        if is_upright(self.across.difference_q8(), self.down.difference_q8()) {
-            // The sums of a fence whose period goes into a block do not differ.
-            look(0, pixels.columns());
-        } else {
-            // An edge in the middle of a block moves the sums on either side by half of its contrast, or twice the
-            // sliding difference.
-            coarse(&pixels, 2 * least, explained, look);
-        }
-    }
-
-    /// Least sliding difference that counts, in grey levels.
-    fn least_difference(&self) -> u32 {
-        (THRESHOLD_SIGMAS * self.difference_q8().max(LEAST_DIFFERENCE << 6)) >> 8
-    }
-
-    /// One sigma of what a sliding difference usually is.
-    fn difference_q8(&self) -> u32 {
-        usual(self.across.difference_q8(), self.down.difference_q8()).max(self.difference_of_noise_q8())
-    }
-
-    /// One sigma of a sliding difference, which sums eight pixels.
-    fn difference_of_noise_q8(&self) -> u32 {
-        self.noise_q8() * 181 / 64
+        let look = |from, to| {
+            between(flanks, from..to, |positions| {
+                seen = fine(&pixels, positions, seen, (least as i32, noise_q8), &mut found);
+            });
+        };
+        coarse(&pixels, least_peak, if looks_beside { &[] } else { flanks }, look);
+        least > WINDOW as u32 * MOST_HIDDEN
     }
 }
 
@@ -167,104 +160,193 @@ fn sum(pixels: &[u8]) -> i32 {
     pixels.iter().map(|pixel| i32::from(*pixel)).sum()
 }
 
-/// Hands over the stretches of pixels in which neighbouring blocks' sums differ by more than `limit`.
-fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
-    let limit = u16::try_from(limit).unwrap_or(u16::MAX);
-    let mut open: Option<(usize, usize)> = None;
-    let mut last: Option<u16> = None;
-    let (columns, mut at) = (pixels.columns(), 0);
-    let mut buffer = [0; BLOCK * GROUP];
-    while at * BLOCK < columns {
-        let group = grey(pixels, at * BLOCK..(at + GROUP) * BLOCK, &mut buffer);
-        // The sum before, then those of the group; both loops are simple enough for vector instructions.
-        let mut sums = [0_u16; GROUP + 1];
-        let filled = group.len() / BLOCK;
-        for (sum, block) in sums.iter_mut().skip(1).zip(group.chunks_exact(BLOCK)) {
-            *sum = block.iter().map(|pixel| u16::from(*pixel)).sum();
-        }
-        let [before, first, ..] = &mut sums;
-        *before = last.unwrap_or(*first);
-        last = sums.get(filled).copied();
-        let steps = || sums.iter().zip(sums.iter().skip(1)).take(filled).map(|(a, b)| a.abs_diff(*b));
-        let mut differing = 0_u32;
-        if steps().fold(0, u16::max) > limit {
-            for (index, step) in steps().enumerate() {
-                differing |= u32::from(step > limit) << index;
-            }
-            differing &= !explained_boundaries(explained, at);
-        }
-        while differing != 0 {
-            let block = at + differing.trailing_zeros() as usize;
-            differing &= differing - 1;
-            // The edge is in one of the two blocks, or its flanks reach into their neighbours.
-            let (from, to) = (block.saturating_sub(1), block + 1);
-            add_stretch(&mut open, (from, to), &mut stretch);
-        }
-        at += GROUP;
+/// Sums of the four pixels of a word two by two, one in each half.
+fn pairs(word: &[u8]) -> u32 {
+    const EVEN: u32 = 0x00ff_00ff;
+    let Some(word) = word.first_chunk::<WINDOW>() else { return 0 };
+    if cfg!(target_has_atomic = "32") {
+        let word = u32::from_le_bytes(*word);
+        (word & EVEN) + ((word >> 8) & EVEN)
+    } else {
+        // Where there is no atomic word, none is loaded from any address either.
+        let [a, b, c, d] = word.each_ref().map(|pixel| u32::from(*pixel));
+        (a + b) + ((c + d) << 16)
     }
-    // The pixels beyond the last whole block, with as many before them as make a block.
-    let mut buffer = [0; BLOCK];
-    let tail = grey(pixels, columns.saturating_sub(BLOCK)..columns, &mut buffer);
-    let tail_sum: u16 = tail.iter().map(|pixel| u16::from(*pixel)).sum();
-    let blocks = columns / BLOCK;
-    let (tail_from, to_end) = (blocks.saturating_sub(1), columns.div_ceil(BLOCK));
-    if blocks < to_end && last.is_some_and(|last| tail_sum.abs_diff(last) > limit) {
-        add_stretch(&mut open, (tail_from, to_end), &mut stretch);
+}
+
+/// Compares sums of four pixels with those of the four before them at every second boundary, word by word: two of them
+/// in the halves of a number.
+#[derive(Clone, Copy)]
+struct Comparison {
+    /// Pairs of the word whose turn is next.
+    pairs: u32,
+    /// Sums that begin with the word before and in its middle, and the same with what lifts a difference beyond the
+    /// limit into the highest bit of its half.
+    sums: u32,
+    lifted: u32,
+    lift: u32,
+}
+
+impl Comparison {
+    const HIGHEST: u32 = 0x8000_8000;
+    /// No difference of two sums is larger.
+    const MOST: u32 = WINDOW as u32 * 255;
+
+    /// Begins with the first two words of a row.
+    fn begin(limit: u32, first: &[u8]) -> Self {
+        let lift = (0x7fff - limit.min(Self::MOST)) * 0x0001_0001;
+        let (first, second) = first.split_at(WINDOW.min(first.len()));
+        let mut begun = Self { pairs: pairs(first), sums: 0, lifted: 0, lift };
+        begun.advance(pairs(second));
+        begun
+    }
+
+    /// Goes on by a word; a bit of [`Comparison::HIGHEST`] is set where a difference is beyond the limit. No half
+    /// overflows.
+    const fn advance(&mut self, next: u32) -> u32 {
+        let sums = self.pairs + ((self.pairs >> 16) | (next << 16));
+        let lifted = sums + self.lift;
+        let beyond = lifted.wrapping_sub(self.sums) | self.lifted.wrapping_sub(sums);
+        (self.pairs, self.sums, self.lifted) = (next, sums, lifted);
+        beyond
+    }
+
+    /// Goes on by all spans of a group; whether there is a difference beyond the limit in any of them.
+    #[inline(never)] // all of it then fits into the registers
+    fn any_of(&mut self, group: &[u8]) -> bool {
+        let mut comparison = *self;
+        let any = group.chunks_exact(SPAN).fold(0, |any, span| any | comparison.span(span));
+        *self = comparison;
+        any & Self::HIGHEST != 0
+    }
+
+    /// Goes on by the two words of a span, and compares at the four boundaries from its last word but two on.
+    fn span(&mut self, span: &[u8]) -> u32 {
+        let (first, second) = span.split_at(WINDOW.min(span.len()));
+        self.advance(pairs(first)) | self.advance(pairs(second))
+    }
+}
+
+/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit.
+fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
+    let mut buffer = [0; SPAN * GROUP];
+    let mut comparison = Comparison::begin(limit, grey(pixels, 0..SPAN, &mut buffer));
+    let mut open: Option<(usize, usize)> = None;
+    let spans = pixels.columns() / SPAN;
+    for at in (1..spans).step_by(GROUP) {
+        let group = grey(pixels, at * SPAN..(at + GROUP).min(spans) * SPAN, &mut buffer);
+        let before = comparison;
+        if comparison.any_of(group) {
+            comparison = before;
+            let mut differing = 0_u32;
+            for (index, span) in group.chunks_exact(SPAN).enumerate() {
+                differing |= u32::from(comparison.span(span) & Comparison::HIGHEST != 0) << index;
+            }
+            differing &= !explained_spans(explained, at);
+            while differing != 0 {
+                add_stretch(&mut open, at + differing.trailing_zeros() as usize, &mut stretch);
+                differing &= differing - 1;
+            }
+        }
+    }
+    if !pixels.columns().is_multiple_of(SPAN) && has_edge_in_tail(pixels, limit) {
+        add_stretch(&mut open, spans.max(2) - 1, &mut stretch);
+        add_stretch(&mut open, spans.max(2), &mut stretch);
     }
     if let Some((start, end)) = open {
-        stretch(start * BLOCK, end * BLOCK);
+        stretch(start * SPAN - WINDOW, end * SPAN - WINDOW);
     }
 }
 
-/// The boundaries of a group's blocks, each with the block before, whose differences lie in explained columns.
-fn explained_boundaries(explained: &[Range<u16>], group: usize) -> u32 {
-    let below = |block: usize| (1_u64 << block.saturating_sub(group).min(GROUP)) - 1;
-    let of = |columns: &Range<u16>| {
-        let (from, to) = (usize::from(columns.start) / BLOCK, usize::from(columns.end) / BLOCK + 2);
-        below(to) & !below(from)
-    };
-    explained.iter().fold(0, |boundaries, columns| boundaries | of(columns)) as u32
+/// Whether there is such a difference at the last boundaries of a row: where its pixels make no whole spans.
+fn has_edge_in_tail(pixels: &impl Pixels, limit: u32) -> bool {
+    let mut buffer = [0; 2 * SPAN];
+    let tail = grey(pixels, pixels.columns().saturating_sub(2 * SPAN)..pixels.columns(), &mut buffer);
+    let (first, last) = tail.split_at(SPAN.min(tail.len()));
+    Comparison::begin(limit, first).span(last) & Comparison::HIGHEST != 0
 }
 
-/// Joins blocks to the stretch before them if they touch, or hands that one over and opens another.
-fn add_stretch(open: &mut Option<(usize, usize)>, (from, to): (usize, usize), stretch: &mut impl FnMut(usize, usize)) {
+/// The spans of a group whose differences lie in explained columns.
+fn explained_spans(explained: &[Range<u16>], group: usize) -> u32 {
+    let below = |span: usize| (1_u64 << span.saturating_sub(group).min(GROUP)) - 1;
+    let of = |columns: &Range<u16>| {
+        let span_of = |column: u16| (usize::from(column) + WINDOW) / SPAN;
+        below(span_of(columns.end) + 1) & !below(span_of(columns.start))
+    };
+    explained.iter().fold(0, |spans, columns| spans | of(columns)) as u32
+}
+
+/// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
+fn add_stretch(open: &mut Option<(usize, usize)>, span: usize, stretch: &mut impl FnMut(usize, usize)) {
     match open {
-        Some((_, end)) if from <= *end => *end = to,
+        Some((_, end)) if span <= *end => *end = span + 1,
         _ => {
-            if let Some((start, end)) = open.replace((from, to)) {
-                stretch(start * BLOCK, end * BLOCK);
+            if let Some((start, end)) = open.replace((span, span + 1)) {
+                stretch(start * SPAN - WINDOW, end * SPAN - WINDOW);
             }
         }
     }
 }
 
-/// Sums over a run of differences of one sign.
+/// Hands over the positions of a stretch, and the one before, which the coarse scan has not compared, but for those in
+/// a flank.
+fn between(flanks: &[Range<u16>], stretch: Range<usize>, mut look: impl FnMut(Range<usize>)) {
+    let (mut start, end) = (stretch.start.saturating_sub(1), stretch.end);
+    for flank in flanks {
+        let (from, to) = (usize::from(flank.start), usize::from(flank.end));
+        if from >= end {
+            break;
+        }
+        if to > start {
+            if from > start {
+                look(start..from);
+            }
+            start = to;
+        }
+    }
+    if start < end {
+        look(start..end);
+    }
+}
+
+/// Sums over a run of differences of one sign, in 32 bits up to [`Run::LONGEST`].
 #[derive(Clone, Copy)]
 struct Run {
+    /// Zero where there is none.
     sign: i32,
     /// Position of the run's first difference.
     start: usize,
-    area: i64,
-    moment: i64,
-    second: i64,
-    length: i64,
+    area: u32,
+    moment: u32,
+    second: u32,
+    length: u32,
     peak: i32,
     /// Lowest difference since the peak.
     valley: i32,
 }
 
 impl Run {
-    fn begin(sign: i32, start: usize, size: i32) -> Self {
-        let area = i64::from(size);
-        Self { sign, start, area, moment: 0, second: 0, length: 1, peak: size, valley: size }
+    /// Positions of the longest run that is an edge: ten times the longest blur that is told from a slope. Its sums are below 2³⁰.
+    const LONGEST: u32 = 128;
+
+    const NONE: Self = Self::begin(0, 0, 0);
+
+    const fn begin(sign: i32, start: usize, size: i32) -> Self {
+        Self { sign, start, area: size as u32, moment: 0, second: 0, length: 1, peak: size, valley: size }
+    }
+
+    const fn end(&self) -> usize {
+        self.start + self.length as usize
     }
 
     fn extend(&mut self, size: i32) {
-        let (x, d) = (self.length, i64::from(size));
-        self.area += d;
-        self.moment += d * x;
-        self.second += d * x * x;
-        self.length += 1;
+        if self.length < Self::LONGEST {
+            let moment = size as u32 * self.length;
+            self.area += size as u32;
+            self.moment += moment;
+            self.second += moment * self.length;
+        }
+        self.length = self.length.saturating_add(1);
         if size >= self.peak {
             (self.peak, self.valley) = (size, size);
         } else {
@@ -278,77 +360,92 @@ impl Run {
     }
 
     fn edge(&self, noise_q8: u32) -> Option<ScannedPoint> {
-        let area = self.area.max(1);
+        if self.length > Self::LONGEST {
+            return None;
+        }
         // A step of contrast A adds up to 16 A.
-        let contrast = (area + 8) >> 4;
-        let off_q16 = (self.moment << 16) / area;
+        let contrast = (self.area + 8) >> 4;
+        let off_q16 = ratio_q16(self.moment, self.area);
         // Position k is the boundary between pixels k − 1 and k.
-        let column_q16 = ((self.start as i64) << 16) + off_q16 - (1 << 15);
-        let variance_q16 = (self.second << 16) / area - ((off_q16 * off_q16) >> 16);
-        let own_q16 = OWN_VARIANCE_Q1 << 15;
+        let column_q16 = ((self.start as i64) << 16) + i64::from(off_q16) - (1 << 15);
+        let square_q16 = (u64::from(off_q16) * u64::from(off_q16)) >> 16;
+        let variance_q16 = ratio_q16(self.second, self.area).saturating_sub(square_q16 as u32);
         // Not below the blur of a pixel alone.
-        let blur_q16 = (variance_q16 - own_q16).max(1 << 13);
-        let sigma_q16 = (u64::from(noise_q8) << 8) * (self.length as u64 * 256).isqrt() / (16 * contrast.max(1) as u64);
+        let blur_q16 = variance_q16.saturating_sub(OWN_VARIANCE_Q1 << 15).max(1 << 13);
+        let root_q4 = (self.length << 8).isqrt();
+        let sigma_q16 = ((noise_q8 << 4).saturating_mul(root_q4)).checked_div(contrast.max(1)).unwrap_or(u32::MAX);
         Some(ScannedPoint {
             column_q16: i32::try_from(column_q16).ok()?,
-            sigma_q16: u32::try_from(sigma_q16).ok()?.max(1),
-            width_q8: u16::try_from((blur_q16 as u64).isqrt()).ok()?,
-            contrast: i16::try_from(contrast * i64::from(self.sign)).ok()?,
+            sigma_q16: sigma_q16.max(1),
+            width_q8: u16::try_from(blur_q16.isqrt()).ok()?,
+            contrast: i16::try_from(contrast as i32 * self.sign).ok()?,
         })
     }
 }
 
-/// Slides the difference of two windows over the pixels `from..to` and hands over each run of one sign beyond the
-/// noise. A run that only partly lies there is followed to both its ends, but not before `seen`, the last position of
-/// an earlier look. Returns the last one of this look.
+/// A quotient in 1/65536 whose whole part and divisor have at most 16 and 20 bits: what 64-bit division would cost ten times on
+/// small cores.
+fn ratio_q16(numerator: u32, denominator: u32) -> u32 {
+    let split = |numerator: u32| Some((numerator.checked_div(denominator)?, numerator.checked_rem(denominator)?));
+    let parts = |rest: u32| split(rest << 8);
+    split(numerator)
+        .and_then(|(whole, rest)| {
+            let (upper, rest) = parts(rest)?;
+            let (lower, _) = parts(rest)?;
+            Some((whole << 16) + (upper << 8) + lower)
+        })
+        .unwrap_or(0)
+}
+
+/// Slides the difference of two windows over some positions and hands over each run of one sign beyond the noise. A run
+/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier look.
+/// Returns the last one of this look.
 fn fine(
     pixels: &impl Pixels,
-    (from, to): (usize, usize),
+    positions: Range<usize>,
     seen: usize,
     (least, noise_q8): (i32, u32),
     found: &mut impl FnMut(ScannedPoint),
 ) -> usize {
     // Position k compares the pixels before k with those from there on, four of each.
     let (Some(last), earliest) = (pixels.columns().checked_sub(WINDOW), seen.max(WINDOW)) else { return seen };
-    let (end, end_of_row) = ((to + WINDOW).min(last) + 1, last + 1);
-    let start = from.saturating_sub(WINDOW).max(earliest);
+    let (end, end_of_row) = (positions.end.min(last + 1), last + 1);
+    let start = positions.start.max(earliest);
     if start >= end {
         return seen;
     }
     let first = before_run(pixels, start, earliest, least);
     // What begins a row may have begun before it, and its centroid would be off.
     let is_whole = |run: &Run| run.start > first;
-    let mut run: Option<Run> = None;
+    let mut run = Run::NONE;
     let mut followed = end;
-    let mut close = |run: Run| {
-        followed = followed.max(run.start + run.length as usize);
-        if let Some(edge) = run.edge(noise_q8).filter(|_| is_whole(&run)) {
+    let mut close = |run: &Run| {
+        followed = followed.max(run.end());
+        if let Some(edge) = run.edge(noise_q8).filter(|_| is_whole(run)) {
             found(edge);
         }
     };
-    let mut take = |difference: i32, position: usize, run: &mut Option<Run>| {
-        let size = difference.abs();
-        let sign = if size > least { difference.signum() } else { 0 };
-        match run {
-            Some(open) if open.sign == sign && !open.rises_again(size, least) => open.extend(size),
-            _ => {
-                if let Some(ended) = run.take() {
-                    close(ended);
-                }
-                *run = (sign != 0 && position < end).then(|| Run::begin(sign, position, size));
-            }
-        }
-    };
-    let mut buffer = [0; BLOCK + 2 * WINDOW];
+    let mut buffer = [0; SLIDE + 2 * WINDOW];
     let mut next = first;
-    while next < end || next < end_of_row && run.as_ref().is_some_and(is_whole) {
-        let count = BLOCK.min(if next < end { end } else { end_of_row } - next);
+    while next < end || next < end_of_row && run.sign != 0 && is_whole(&run) {
+        let count = SLIDE.min(if next < end { end } else { end_of_row } - next);
         let at = next - WINDOW;
-        let rest = grey(pixels, at..at + BLOCK + 2 * WINDOW, &mut buffer);
-        let quiet = run.is_none() && rest.first_chunk().is_some_and(|pixels| is_quiet(pixels, least));
-        if !quiet {
-            slide(rest, count, |index, difference| take(difference, next + index, &mut run));
-        }
+        let rest = grey(pixels, at..at + SLIDE + 2 * WINDOW, &mut buffer);
+        slide(rest, count, |index, difference| {
+            let (size, position) = (difference.abs(), next + index);
+            let sign = if size > least { difference.signum() } else { 0 };
+            if sign == 0 && run.sign == 0 {
+                return;
+            }
+            if sign == run.sign && !run.rises_again(size, least) {
+                run.extend(size);
+                return;
+            }
+            if run.sign != 0 {
+                close(&run);
+            }
+            run = if position < end { Run::begin(sign, position, size) } else { Run::NONE };
+        });
         next += count;
     }
     // A run that has not ended by the end of the row reaches beyond it.
@@ -375,23 +472,13 @@ fn before_run(pixels: &impl Pixels, position: usize, earliest: usize, least: i32
 /// Hands over the first `count` sliding differences.
 fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
     let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
-    let mut difference = sum(right.get(..WINDOW).unwrap_or_default()) - sum(left);
-    take(0, difference);
-    // The window moves by one: what enters on the right, changes sides, and leaves on the left.
-    let moves = pixels.iter().zip(right).zip(right.iter().skip(WINDOW));
-    for (index, ((leaves, changes), enters)) in moves.enumerate().take(count.saturating_sub(1)) {
-        difference += i32::from(*enters) - 2 * i32::from(*changes) + i32::from(*leaves);
-        take(index + 1, difference);
+    let (changing, entering) = right.split_at(WINDOW.min(right.len()));
+    let mut difference = sum(changing) - sum(left);
+    // The window moves by one: what enters on the right, changes sides, and leaves on the left; behind the last one there is none.
+    let mut entering = entering.iter();
+    for (index, (leaves, changes)) in pixels.iter().zip(right).enumerate().take(count) {
+        take(index, difference);
+        let enters = entering.next().map_or(0, |pixel| i32::from(*pixel));
+        difference += enters - 2 * i32::from(*changes) + i32::from(*leaves);
     }
-}
-
-/// Whether none of a block's sliding differences counts; simple enough for vector instructions.
-fn is_quiet(pixels: &[u8; BLOCK + 2 * WINDOW - 1], least: i32) -> bool {
-    let from = |index| pixels.iter().skip(index).map(|pixel| i16::from(*pixel));
-    let mut sums = [0_i16; BLOCK + WINDOW];
-    for ((((sum, a), b), c), d) in sums.iter_mut().zip(from(0)).zip(from(1)).zip(from(2)).zip(from(3)) {
-        *sum = a + b + c + d;
-    }
-    let differences = sums.iter().zip(sums.iter().skip(WINDOW)).map(|(left, right)| (right - left).abs());
-    i32::from(differences.fold(0, i16::max)) <= least
 }

@@ -4,7 +4,8 @@
 //! phase of its line's class: what it is off is told by the products with the slope and with the change by the width,
 //! so that neither phases nor classes need to be fine.
 
-use super::norms::{Norms, Squares, saturated};
+use super::factor::{Factor, shifted};
+use super::norms::{Norms, Squares};
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
 use super::weight::Weight;
@@ -18,8 +19,8 @@ pub(super) struct Template {
     pub(super) box_q8: u16,
     /// Half the width of what is neither 0 nor 1, in 1/256 px.
     pub(super) reach_q8: u16,
-    /// The width's change that one unit of [`Weight::widening`] stands for, in 1/1024 of b.
-    per_widening_q10: u32,
+    /// The width's change that one unit of [`Weight::widening`] stands for, in b, over 2¹².
+    per_widening: Factor,
     /// One over the number of pixels of a plateau.
     per_plateau_q20: u32,
     far_q8: u16,
@@ -66,13 +67,19 @@ impl Template {
         }
     }
 
-    /// The width of an edge: the template's, and what a row says of it where the width's best change is so many units,
-    /// in 1/32768 grey level, and b/A this, in 1/2¹⁸ px and grey level.
-    pub(super) fn width_q12(&self, widening_q15: i32, per_level_q18: i32) -> i32 {
-        // It fits: at most 2¹⁹ times 2²¹.
-        let per_level_q10 = ((i64::from(per_level_q18) * i64::from(self.per_widening_q10)) >> 18) as i32;
-        let off_q12 = saturated((i64::from(per_level_q10) * i64::from(widening_q15)) >> 13);
-        (i32::from(self.width_q8) << 4) + off_q12.clamp(-(1 << 20), (1 << 20) - 1)
+    /// b over a contrast in 1/256 grey level: in 1/2¹⁸ px and grey level. `None` where there is none.
+    pub(super) fn per_contrast(&self, contrast_q8: i32) -> Option<Factor> {
+        let per_level_q18 = (u32::from(self.box_q8) << 16).checked_div(contrast_q8.unsigned_abs() >> 2)?;
+        Some(Factor::of(per_level_q18, 0))
+    }
+
+    /// The width of an edge: the template's, and what the product of a row's residuals with its change, in 1/64 grey
+    /// level, says of it.
+    #[inline(always)]
+    pub(super) fn width_q12(&self, residual_widening: i32, norms: &Norms, per_contrast: Factor) -> i32 {
+        let change = per_contrast.times(self.per_widening.times(norms.per_widening.times(residual_widening)));
+        let lost = norms.per_widening.lost() + self.per_widening.lost() + per_contrast.lost();
+        (i32::from(self.width_q8) << 4) + shifted(change, -lost).clamp(-(1 << 20), (1 << 20) - 1)
     }
 
     /// Pixels of a plateau on either side: beyond the reach of the blur.
@@ -212,7 +219,7 @@ impl Template {
         width_q8: 0,
         box_q8: 0,
         reach_q8: 0,
-        per_widening_q10: 0,
+        per_widening: Factor::ONE,
         per_plateau_q20: 0,
         far_q8: 0,
         phases_log2: 0,
@@ -228,7 +235,7 @@ impl Template {
             width_q8,
             box_q8: function.box_q8 as u16,
             reach_q8,
-            per_widening_q10: 0,
+            per_widening: Factor::ONE,
             per_plateau_q20: 0,
             far_q8: 0,
             phases_log2: phases_log2(width_q8),
@@ -243,7 +250,7 @@ impl Template {
         let largest = template.largest_widening(&function);
         // One unit is the largest change with the width, in 1/32768, over 127.
         let per_widening = (function.per_widening_q8 as u64) * (127 << 25) / largest as u64;
-        template.per_widening_q10 = (per_widening / function.box_q8 as u64) as u32;
+        template.per_widening = Factor::of((per_widening / function.box_q8 as u64) as u32, 22);
         template
     }
 

@@ -8,11 +8,17 @@ pub(super) const DOWN_COLUMNS: usize = 8;
 
 /// Once in so many rows, since each comparison costs some two hundred instructions a column
 /// (`scanning::fences_are_edges`).
-pub(super) const DOWN_ROWS: u16 = 16;
+pub(super) const DOWN_ROWS: u8 = 32;
+
+/// At first, one time after the other: so many tell what is usual to a fifth (`fences::edges_of_fences_are_lines`).
+pub(super) const SETTLED_LOOKS: u8 = 8;
+
+/// Later ones move it by one part in one more than this (`scanning::the_threshold_follows_the_noise`).
+pub(super) const MEMORY_LOOKS: u32 = 3;
 
 /// Texture is what changes over so many rows: as far down as the windows of the scanner are apart across
 /// (`clutter::texture_is_no_bar`).
-pub(super) const TEXTURE_LAG: u16 = 4;
+pub(super) const TEXTURE_LAG: u8 = 4;
 
 /// What is usual across a row is that of upright edges where it is so many times what is usual down the rows: the two
 /// are good to a factor of 1.7 each (`scanning::fences_are_edges`, `scanning::noise_is_no_edge`).
@@ -22,9 +28,16 @@ pub(super) const UPRIGHT_RATIO: u32 = 3;
 /// (`frames::faint_and_noisy_bars_are_found`).
 pub(super) const LEAST_DIFFERENCE: u32 = 24;
 
-/// A difference counts if it exceeds so many sigma of what is usual: once in 16 000 by chance
-/// (`scanning::noise_is_no_edge`).
+/// A row in which an edge of so many grey levels of contrast is hidden by what is usual cannot be read: a quarter of
+/// all levels (`fences::rows_that_cannot_be_read_are_counted`).
+pub(super) const MOST_HIDDEN: u32 = 64;
+
+/// A difference counts if it exceeds so many sigma of what is usual (`scanning::the_threshold_follows_the_noise`).
 pub(super) const THRESHOLD_SIGMAS: u32 = 4;
+
+/// The largest difference of an edge exceeds so many halves of a sigma of noise: four sigma are exceeded by chance in
+/// every hundredth row of 160 places (`scanning::noise_is_no_edge`).
+pub(super) const PEAK_SIGMAS_Q1: u32 = 9;
 
 /// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5
 /// % of the column's noise (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).

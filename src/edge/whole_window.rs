@@ -8,9 +8,10 @@ use crate::format::Pixels;
 /// What a [`Window`](super::window::Window) is where neither a neighbour nor the border cuts off a part, and the light
 /// is bytes.
 pub(super) struct WholeWindow<'p> {
-    pixels: &'p [u8],
-    /// Pixels of a plateau.
-    plateau: usize,
+    /// Pixels of the plateau on the left, of the flank, and of the plateau on the right.
+    left: &'p [u8],
+    flank: &'p [u8],
+    right: &'p [u8],
     pub(super) phase: &'static Phase,
     /// Where the step is expected: the phase that is nearest, in 1/256 px.
     pub(super) centre_q8: i32,
@@ -36,27 +37,26 @@ impl<'p> WholeWindow<'p> {
         // Within the row, since it is that far from the border.
         let from = (first as usize).checked_sub(plateau)?;
         let pixels = row.light_bytes(Stretch { from, to: from + 2 * plateau + phase.weights.len() })?;
-        Some(Self { pixels, plateau, phase, centre_q8 })
+        let (left, rest) = pixels.split_at_checked(plateau)?;
+        let (flank, right) = rest.split_at_checked(phase.weights.len())?;
+        Some(Self { left, flank, right, phase, centre_q8 })
     }
 
     /// Levels of the plateaus, in 1/256 of a grey level.
     #[inline(always)]
     pub(super) fn levels_q8(&self, template: &Template) -> [i32; 2] {
-        let right = self.pixels.get(self.plateau + self.phase.weights.len()..).unwrap_or_default();
-        let sums = sums(self.pixels, right);
+        let sums = sums(self.left, self.right);
         [sums & 0xFFFF, sums >> 16].map(|sum| template.mean_q8(sum))
     }
 
     /// Given the levels to expect.
     #[inline(always)]
     pub(super) fn moments(&self, levels_q8: [i32; 2]) -> Moments {
-        let flank = self.pixels.get(self.plateau..).unwrap_or_default();
-        Moments::of_bytes(flank, self.phase.weights, levels_q8)
+        Moments::of_bytes(self.flank, self.phase.weights, levels_q8)
     }
 }
 
-/// Sums of the first pixels of two stretches, as many as the second one has: the lower half is that of the left one.
-/// Either is below 2¹⁶.
+/// Sums of the pixels of two plateaus: the lower half is that of the left one. Either is below 2¹⁶.
 fn sums(left: &[u8], right: &[u8]) -> u32 {
     // Loops of the usual lengths are unrolled.
     match right.len() {

@@ -14,8 +14,6 @@ pub(super) struct Candidate {
     pub(super) slot: u16,
     pub(super) polarity: Polarity,
     pub(super) role: Role,
-    /// Its edge has been located.
-    pub(super) is_located: bool,
 }
 
 /// What the row is to a line.
@@ -58,13 +56,6 @@ impl<const LINES: usize> Candidates<LINES> {
 
     pub(super) fn iter(&self) -> core::slice::Iter<'_, Candidate> {
         self.lines.iter()
-    }
-
-    /// The line of this index has been located.
-    pub(super) fn mark_located(&mut self, index: usize) {
-        if let Some(line) = self.lines.get_mut(index) {
-            line.is_located = true;
-        }
     }
 
     /// Adds a line; whether it lies on the left of one before. Lines hardly ever change their order.

@@ -12,13 +12,15 @@ pub(crate) struct Explained<const LINES: usize> {
     edges: Vec<Edge, LINES>,
 }
 
+/// Where the scanner's differences are those of located lines that stand alone: nothing else is expected near them.
+// Not a part of `Explained`, which would then be cleared in each row.
+pub(crate) type Flanks<const LINES: usize> = Vec<Range<u16>, LINES>;
+
 /// A located line: scanned points of its polarity near there are its own.
 struct Edge {
     column_q16: i32,
     reach_q16: i32,
     polarity: Polarity,
-    /// Nothing else is expected near it.
-    is_alone: bool,
     /// The scanner has found this very point, too.
     is_seen: bool,
 }
@@ -26,25 +28,42 @@ struct Edge {
 /// Upper bound of [`Edge::reach_q16`].
 const MAX_REACH_Q16: i32 = 34 << 16;
 
+/// What an edge without blur reaches.
+const LEAST_REACH_Q16: i32 = 5 << 15;
+
 /// Half of the scanner's window, which sees an edge so much before its flank.
 const WINDOW_Q16: i32 = 4 << 16;
 
-/// The scanner leaves out whole blocks: what is that near may lie in one of them.
-const BLOCKS_Q16: i32 = 2 << (16 + 4);
+/// The scanner leaves out whole spans of eight pixels: what is that near may lie in one of them.
+const SPANS_Q16: i32 = 2 << (16 + 3);
+
+/// Whether a row is looked at beside its located lines: some of the rows are, or an edge that begins there would never
+/// be seen.
+pub(crate) const fn looks_beside(row: u16) -> bool {
+    row.is_multiple_of(LOOK_BESIDE_ROWS)
+}
+
+impl Edge {
+    /// The positions of the scanner in which its windows reach into the blur; the one on the left of a pixel has its
+    /// number.
+    fn flank(&self) -> Range<u16> {
+        let half_q16 = self.reach_q16 - LEAST_REACH_Q16 + WINDOW_Q16;
+        let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
+        position(self.column_q16 - half_q16)..position(self.column_q16.saturating_add(half_q16)) + 2
+    }
+}
 
 impl<const LINES: usize> Explained<LINES> {
     pub(crate) const fn new() -> Self {
         Self { edges: Vec::new() }
     }
 
-    /// Adds a located line; `others_q16` are the columns where lines are expected that have not been located.
-    pub(super) fn add(&mut self, point: &EdgePoint, others_q16: impl IntoIterator<Item = i32>) {
+    /// Adds a located line.
+    pub(super) fn add(&mut self, point: &EdgePoint) {
         let column_q16 = point.column_q16;
         // A row of a long blur may be wider than the blur itself can be.
-        let reach_q16 = ((5 << 16) / 2 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
-        let near_q16 = (2 * (reach_q16 + WINDOW_Q16) + BLOCKS_Q16).unsigned_abs();
-        let is_alone = others_q16.into_iter().all(|other_q16| other_q16.abs_diff(column_q16) > near_q16);
-        let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_alone, is_seen: false };
+        let reach_q16 = (LEAST_REACH_Q16 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
+        let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_seen: false };
         // There is room: one per line at most. They come in order but for a few.
         if self.edges.last().is_none_or(|last| last.column_q16 <= column_q16) {
             let _ = self.edges.push(edge);
@@ -53,19 +72,14 @@ impl<const LINES: usize> Explained<LINES> {
         }
     }
 
-    /// Adds the columns in which a row needs no look; none in some of the rows, or an edge that begins beside a line
-    /// would never be seen.
-    // Into a list that is there, since each one that is returned is copied.
-    pub(crate) fn add_columns(&self, row: u16, columns: &mut Vec<Range<u16>, LINES>) {
-        if row.is_multiple_of(LOOK_BESIDE_ROWS) {
-            return;
-        }
-        for edge in self.edges.iter().filter(|edge| edge.is_alone) {
-            let reach_q16 = edge.reach_q16 + WINDOW_Q16;
-            let column = |column_q16: i32| (column_q16 >> 16).clamp(0, u16::MAX.into()) as u16;
-            // There is room: one per line at most.
-            let (from_q16, to_q16) = (edge.column_q16 - reach_q16, edge.column_q16.saturating_add(reach_q16));
-            let _ = columns.push(column(from_q16)..column(to_q16));
+    /// Adds the flanks of those that stand alone, where lines that have not been located are expected at these columns.
+    pub(super) fn add_flanks(&self, others_q16: &[i32], flanks: &mut Flanks<LINES>) {
+        for edge in &self.edges {
+            let near_q16 = (2 * (edge.reach_q16 + WINDOW_Q16) + SPANS_Q16).unsigned_abs();
+            if others_q16.iter().all(|other_q16| other_q16.abs_diff(edge.column_q16) > near_q16) {
+                // There is room: one per line at most.
+                let _ = flanks.push(edge.flank());
+            }
         }
     }
 

@@ -16,6 +16,8 @@ pub(super) struct Filter {
     pub(super) slope_q16: i32,
     /// Mean distance of the last points from where they were expected, in 1/65536 px.
     pub(super) scatter_q16: u16,
+    /// How far off its prediction a point of the next row may lie, in 1/256 px, as it was some points ago.
+    pub(super) gate_q8: u16,
 }
 
 /// How many points a filter remembers, and what follows from it.
@@ -31,9 +33,9 @@ struct Gains {
     /// after.
     slope_off_q15: u32,
     /// Parts of what a point is off that column, slope and scatter follow, in 1/65536.
-    column_q16: i32,
-    turn_q16: i32,
-    scatter_q16: i32,
+    column_q16: u16,
+    turn_q16: u16,
+    scatter_q16: u16,
     /// [`spread_q4`] in the next row, elsewhere and in texture.
     spreads_q4: [u32; 2],
 }
@@ -56,12 +58,18 @@ impl Gains {
             points: n,
             gate_q8: (8 << 8) / n,
             slope_off_q15: (1 << 15) / (n * n),
-            column_q16: (((4 * n - 2) << 16) / count) as i32,
-            turn_q16: ((6 << 16) / count) as i32,
-            scatter_q16: ((1 << 16) / remembered) as i32,
+            column_q16: part_q16(4 * n - 2, count),
+            turn_q16: part_q16(6, count),
+            scatter_q16: part_q16(1, remembered),
             spreads_q4: [spread_q4(n, 1, ROWS_ALIKE), spread_q4(n, 1, ROWS_ALIKE_IN_TEXTURE)],
         }
     }
+}
+
+/// A part in 1/65536; all but one of these where it is all.
+const fn part_q16(numerator: u32, denominator: u32) -> u16 {
+    let part_q16 = (numerator << 16) / denominator;
+    if part_q16 < u16::MAX as u32 { part_q16 as u16 } else { u16::MAX }
 }
 
 /// Root of 1 and the variance of a line through n points, `rows` ahead of them, in sixteenths: 4/n + 12 rows/n² + 12
@@ -105,14 +113,16 @@ impl Memory {
 }
 
 /// One part of a value, to the nearest: cut off, what is followed would be biased.
-fn part(value: i32, gain_q16: i32) -> i32 {
-    ((i64::from(value) * i64::from(gain_q16) + (1 << 15)) >> 16) as i32
+fn part(value: i32, gain_q16: u16) -> i32 {
+    // In two products of 32 bits, which all cores have.
+    let below_q16 = (value as u32 & 0xFFFF) * u32::from(gain_q16) + (1 << 15);
+    (value >> 16) * i32::from(gain_q16) + (below_q16 >> 16) as i32
 }
 
 impl Filter {
     /// At a line's first point.
     pub(super) const fn new(column_q16: i32) -> Self {
-        Self { column_q16, slope_q16: 0, scatter_q16: MOST_SCATTER_Q16 }
+        Self { column_q16, slope_q16: 0, scatter_q16: MOST_SCATTER_Q16, gate_q8: 0 }
     }
 
     /// The column so many rows on, in 1/65536 px.

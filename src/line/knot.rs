@@ -32,11 +32,12 @@ impl Knot {
     pub(super) fn add_point(&mut self, point: &EdgePoint, first: &EdgePoint) {
         self.columns_q16 += i64::from(point.column_q16) - i64::from(first.column_q16);
         self.times_ns = self.times_ns.saturating_add(point.time_ns.saturating_sub(first.time_ns));
-        // So that a sum of 65535 squares fits, and that no weight is infinite.
-        let sigma = u64::from(point.sigma_q16.clamp(1, EdgePoint::MAX_SIGMA_Q16));
-        self.variances_q32 = self.variances_q32.saturating_add(sigma * sigma);
-        self.rows = self.rows.saturating_add(point.row.abs_diff(first.row).into());
-        self.widths_q8 = self.widths_q8.saturating_add(point.width_q8.into());
+        // No weight is infinite. Sums over a line's 65536 rows fit: of squares below 2⁴⁹, of rows and of widths below
+        // 2¹⁶.
+        self.variances_q32 =
+            self.variances_q32.wrapping_add(square(point.sigma_q16.clamp(1, EdgePoint::MAX_SIGMA_Q16)));
+        self.rows = self.rows.wrapping_add(point.row.abs_diff(first.row).into());
+        self.widths_q8 = self.widths_q8.wrapping_add(point.width_q8.into());
         self.points = self.points.saturating_add(1);
         self.widths = self.widths.saturating_add((point.width_q8 > 0).into());
     }
@@ -51,5 +52,13 @@ impl Knot {
         self.widths_q8 = self.widths_q8.saturating_add(other.widths_q8);
         self.points = self.points.saturating_add(other.points);
         self.widths = self.widths.saturating_add(other.widths);
+    }
+}
+
+/// In 32 bits where it fits, as that of most sigmas does: some cores have no longer product.
+fn square(sigma_q16: u32) -> u64 {
+    match u16::try_from(sigma_q16) {
+        Ok(small_q16) => u64::from(u32::from(small_q16) * u32::from(small_q16)),
+        Err(_) => u64::from(sigma_q16) * u64::from(sigma_q16),
     }
 }

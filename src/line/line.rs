@@ -41,6 +41,9 @@ pub struct Line<const KNOTS: usize> {
     pub(super) prominence: Prominence,
     /// Whether it was found in rows of pixels, where nearly every row should show the edge.
     of_pixels: bool,
+    /// It has been beside texture: its points are stated to be as noisy as they scatter.
+    // Here, where it takes no room.
+    pub(super) is_beside_texture: bool,
     /// Rows per knot: 2 to this power.
     pub(crate) span_log2: u8,
 }
@@ -59,6 +62,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
             points: 1,
             prominence: Prominence::default(),
             of_pixels: false,
+            is_beside_texture: false,
             span_log2: 0,
         };
         // There is room.
@@ -151,6 +155,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
     pub(crate) fn is_by_chance(&self) -> bool {
         let rows = self.last.row.abs_diff(self.first.row).saturating_add(1);
         self.of_pixels && self.prominence.is_by_chance(self.points, rows)
+    }
+
+    /// Whether a pipeline may have made the edge narrower: its levels overshoot, or nobody has seen its pixels.
+    pub(crate) fn may_be_sharpened(&self) -> bool {
+        !self.of_pixels || self.prominence.has_halo()
     }
 
     /// Mean contrast in grey levels, whatever its polarity; zero for a line of points that were handed over.

@@ -2,7 +2,10 @@
 
 use heapless::Vec;
 
-use super::tuning::{AROUND_PX, CHANCE_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE};
+use super::halo::Halo;
+use super::tuning::{
+    AROUND_PX, CHANCE_SIGMAS_Q1, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
+};
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
 
@@ -19,6 +22,7 @@ pub(super) struct Prominence {
     /// How many steps beside it have changed, and the sum of the sizes of these changes.
     changes: u16,
     changes_sum: u32,
+    halo: Halo,
 }
 
 impl Prominence {
@@ -36,10 +40,18 @@ impl Prominence {
         };
         // Rounding alone makes one.
         let sigma_q8 = sigma_q8.max(1 << 8);
-        // Rows without a point have no contrast; the mean of n rows has √(8/n) of the deviation of one.
+        // Rows without a point have no contrast.
         let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
-        let square = mean_q8 * mean_q8 * ((points * seen_q8 * seen_q8 * seen_q8) >> 24);
-        square < CHANCE_SIGMAS * CHANCE_SIGMAS * u64::from(ROWS_ALIKE_IN_TEXTURE) * sigma_q8 * sigma_q8
+        let rows = (points * seen_q8 * seen_q8 * seen_q8) >> 24;
+        // The mean of n rows has √(8/n) of the deviation of one, and longer tails the fewer they are.
+        let left_q8 = (mean_q8 * rows).checked_div(rows + TAIL_ROWS).unwrap_or(0);
+        let most_square = CHANCE_SIGMAS_Q1 * CHANCE_SIGMAS_Q1 * u64::from(ROWS_ALIKE_IN_TEXTURE) * sigma_q8 * sigma_q8;
+        4 * left_q8 * left_q8 * rows < most_square
+    }
+
+    /// Whether both levels overshoot beside the edge.
+    pub(super) fn has_halo(&self) -> bool {
+        self.halo.is_part_of(self.along)
     }
 
     /// Mean contrast in grey levels; zero where none was looked at.
@@ -57,11 +69,16 @@ impl Prominence {
     }
 
     /// Adds what another part of the same line shows.
+    pub(super) const fn is_unseen(&self) -> bool {
+        self.rows == 0
+    }
+
     pub(super) fn add(&mut self, other: &Self) {
         self.along = self.along.saturating_add(other.along);
         self.rows = self.rows.saturating_add(other.rows);
         self.changes = self.changes.saturating_add(other.changes);
         self.changes_sum = self.changes_sum.saturating_add(other.changes_sum);
+        self.halo.add(&other.halo);
     }
 }
 
@@ -84,8 +101,7 @@ impl Around {
         if prominence.rows > 0 && !point.row.is_multiple_of(LOOK_ROWS) {
             return;
         }
-        // Boundary k lies between pixels k − 1 and k, whose centres are at whole numbers.
-        let boundary = (point.column_q16 >> 16) + 1;
+        let boundary = point.boundary();
         let Some(step) = row.step_at(boundary) else { return };
         let reach = i32::from(point.width_q8) >> 7;
         let beside = |off: i32| row.step_at(boundary + off + off.signum() * reach);
@@ -104,6 +120,7 @@ impl Around {
         let is_falling = point.polarity == Polarity::Falling;
         prominence.along = prominence.along.saturating_add(i32::from(if is_falling { -step } else { step }));
         prominence.rows = prominence.rows.saturating_add(1);
+        prominence.halo.look(row, point);
     }
 }
 

@@ -5,6 +5,7 @@ use heapless::Vec;
 use super::line::Line;
 use super::track::{State, Track};
 use crate::edge::EdgePoint;
+use crate::setup::Limits;
 
 /// At most `LINES` lines of `KNOTS` knots each: those under way, and those that have ended and wait to be taken.
 #[derive(Debug)]
@@ -13,7 +14,7 @@ pub(super) struct Table<const LINES: usize, const KNOTS: usize> {
     slots: [Slot<KNOTS>; LINES],
     /// Places of the lines under way, about from left to right, and of those that have ended.
     under_way: Vec<u16, LINES>,
-    ended: Vec<u16, LINES>,
+    ended: Vec<u16, LINES, u16>,
     /// No place before this one is free.
     occupied: usize,
 }
@@ -97,13 +98,13 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     }
 
     /// Starts a line at the first free place; `false` where there is none.
-    pub(super) fn begin(&mut self, point: EdgePoint) -> bool {
+    pub(super) fn begin(&mut self, point: EdgePoint, limits: &Limits) -> bool {
         let mut slots = self.slots.iter_mut().enumerate().skip(self.occupied);
         let Some((place, slot)) = slots.find(|(_, slot)| slot.track().is_none()) else {
             self.occupied = LINES;
             return false;
         };
-        *slot = Slot::Taken(Track::new(point));
+        *slot = Slot::Taken(Track::new(point, limits));
         self.occupied = place + 1;
         // There is room: one for each place.
         let _ = self.under_way.push(place as u16);

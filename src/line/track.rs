@@ -5,8 +5,8 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16,
-    SCATTER_POINTS, YOUNG_POINTS,
+    GATE_POINTS, LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
+    NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
@@ -25,8 +25,6 @@ pub(crate) struct Track<const KNOTS: usize> {
     /// Points since the last one that the model has located.
     unexpected_points: u8,
     around: Around,
-    /// It has been beside texture: its edges are stated to be as noisy as they scatter.
-    is_beside_texture: bool,
 }
 
 /// What may become of a line next.
@@ -45,8 +43,8 @@ pub(crate) enum State {
 }
 
 impl<const KNOTS: usize> Track<KNOTS> {
-    pub(crate) fn new(point: EdgePoint) -> Self {
-        Self {
+    pub(crate) fn new(point: EdgePoint, limits: &Limits) -> Self {
+        let mut track = Self {
             line: Line::new(point),
             state: State::Tentative,
             filter: Filter::new(point.column_q16),
@@ -54,26 +52,34 @@ impl<const KNOTS: usize> Track<KNOTS> {
             missed_rows: 0,
             unexpected_points: 0,
             around: Around::UNSEEN,
-            is_beside_texture: false,
-        }
+        };
+        track.renew_gate(track.memory(), limits);
+        track
     }
 
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
-        Prediction {
-            column_q16: self.filter.column_after(rows),
-            gate_q16: self.gate_after(rows, limits),
-            coasting: false,
+        let gate_q16 =
+            if rows == 1 { u32::from(self.filter.gate_q8) << 8 } else { self.gate_after(rows, self.memory(), limits) };
+        Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
+    }
+
+    /// Takes its gate anew where that may have changed.
+    fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
+        let points = self.line.points();
+        let is_settled = self.model.is_some() && points > GATE_POINTS;
+        if !is_settled || points.is_multiple_of(GATE_POINTS) {
+            // It fits: the widest gate is 48 px.
+            self.filter.gate_q8 = self.gate_after(1, memory, limits).div_ceil(256) as u16;
         }
     }
 
     /// How far off its prediction a point so many rows on may lie, in 1/65536 px.
-    fn gate_after(&self, rows: u16, limits: &Limits) -> u32 {
-        let memory = self.memory();
+    fn gate_after(&self, rows: u16, memory: Memory, limits: &Limits) -> u32 {
         let gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
         let gate_q16 = if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
-            gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.is_beside_texture))
+            gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.line.is_beside_texture))
         } else {
             gate_q16
         };
@@ -114,7 +120,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the
     /// rows around them the residuals of the fit will show.
     fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
-        if self.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
+        if self.line.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
     }
 
     /// One sigma of normal values is 5/4 of their mean size.
@@ -128,8 +134,10 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.line.push(point).is_err() {
             return false;
         }
-        self.filter.follow(point.column_q16, self.memory(), rows, self.is_beside_texture);
+        let memory = self.memory();
+        self.filter.follow(point.column_q16, memory, rows, self.line.is_beside_texture);
         self.missed_rows = 0;
+        self.renew_gate(memory, limits);
         // A line that leans more than one may begin with is none of ours, however well it is seen.
         let is_upright = self.filter.slope_q16.unsigned_abs() <= limits.max_slope_q16;
         if self.state != State::Tentative || self.line.points() >= limits.confirm_points && is_upright {
@@ -163,9 +171,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let Some(found) = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around) else {
             return false;
         };
-        if model.is_surely_beside_texture() && !self.is_beside_texture {
+        if model.is_surely_beside_texture() && !self.line.is_beside_texture {
             // What holds from now on held for the rows before as well.
-            self.is_beside_texture = true;
+            self.line.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
         }
         self.unexpected_points = 0;
@@ -182,8 +190,18 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.take(point, limits)
     }
 
+    /// Whether this row has shown it, and it has no model yet.
+    pub(super) fn is_to_learn(&self, row: u16) -> bool {
+        self.state == State::Confirmed && self.model.is_none() && self.line.last().row == row
+    }
+
+    /// Whether it has never been looked at what is around it, which is then looked at as a whole.
+    pub(super) fn is_unseen(&self) -> bool {
+        self.line.prominence.is_unseen()
+    }
+
     /// Looks at what is around its last point.
-    pub(crate) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
+    pub(super) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
         self.around.look(&mut self.line.prominence, row, &self.line.last);
     }
 
@@ -217,7 +235,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be
         // noisier.
         let points = u64::from(theirs.points().max(1));
-        let theirs_q16 = if self.is_beside_texture { young.filter.scatter_q16 } else { 0 };
+        let theirs_q16 = if self.line.is_beside_texture { young.filter.scatter_q16 } else { 0 };
         let scatter_q16 = u64::from(self.filter.scatter_q16.max(theirs_q16));
         let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
         let is_alike = mine.prominence.is_like(&theirs.prominence);
@@ -228,7 +246,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Goes on as a young line does.
     pub(crate) fn append_stitched(&mut self, young: &Self) -> bool {
         let mut later = young.line.clone();
-        if self.is_beside_texture {
+        if self.line.is_beside_texture {
             later.raise_sigmas(self.stated_sigma_q16(young.scatter_sigma_q16()));
         }
         if self.line.append(&later).is_err() {

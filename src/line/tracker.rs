@@ -6,13 +6,13 @@ use super::association::{Association, Outcome, Pair};
 use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
 use super::demand::Demand;
-use super::explained::Explained;
+use super::explained::{Explained, Flanks};
 use super::jump::Jump;
 use super::line::Line;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::YOUNG_POINTS;
+use super::tuning::{MODELS_A_ROW, YOUNG_POINTS};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -77,38 +77,37 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         jump.is_common().then_some(begun_in)
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain. To be
-    /// called before the row is scanned.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain and what the
+    /// scan may leave out. To be called before the row is scanned.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
         at: RowTime,
         pixels: PixelRow<'_, P>,
         explained: &mut Explained<LINES>,
+        flanks: &mut Flanks<LINES>,
     ) {
         let mut candidates = Candidates::new();
         self.expect(limits, at.row, &mut candidates);
         let mut located = 0;
+        // Others may lie near located ones, also hidden ones, which another one may continue.
+        let mut others: Vec<i32, LINES> = Vec::new();
         for index in 0..candidates.len() {
-            let Some(candidate) = candidates.get(index).filter(|candidate| candidate.role == Role::Confirmed) else {
-                continue;
-            };
-            if !candidate.prediction.coasting
-                && let Some(track) = self.table.track_mut(candidate.slot)
-                && track.locate(&candidate.prediction, at, pixels, candidates.around(index), limits)
+            let Some(Candidate { prediction, slot, role, .. }) = candidates.get(index) else { continue };
+            let is_sought = *role == Role::Confirmed && !prediction.coasting;
+            if is_sought
+                && let Some(track) = self.table.track_mut(*slot)
+                && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
-                candidates.mark_located(index);
+                explained.add(track.line.last());
                 located += 1;
+            } else {
+                // There is room: one for each line.
+                let _ = others.push(prediction.column_q16);
             }
         }
         self.count_points(located);
-        // Others may lie near them, also hidden ones, which another one may continue.
-        let others = || candidates.iter().filter(|other| !other.is_located);
-        for line in candidates.iter().filter(|line| line.is_located) {
-            if let Some(track) = self.table.track(line.slot) {
-                explained.add(track.line.last(), others().map(|other| other.prediction.column_q16));
-            }
-        }
+        explained.add_flanks(&others, flanks);
     }
 
     /// Removes the scanned points that located lines explain. To be called before [`Tracker::row`] takes the others.
@@ -132,19 +131,35 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// Looks at what is around the confirmed lines that this row has shown, and gives those that are new a model of
-    /// their edge.
+    /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
+    /// a model of their edge.
     pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
         for index in 0..self.table.under_way().len() {
             let Some(place) = self.table.under_way().get(index).copied() else { return };
             let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-            if let Some(track) = self.table.track_mut(place).filter(is_seen) {
+            if let Some(track) = self.table.track_mut(place).filter(is_seen).filter(|track| !track.is_unseen()) {
                 track.look_around(pixels);
-                if track.model.is_none() {
-                    self.learn(place, pixels, noise_q8);
-                }
             }
         }
+        let mut last = (0, 0);
+        for _ in 0..MODELS_A_ROW {
+            let Some(next) = self.newest_to_learn(row, last) else { return };
+            let (_, place) = next;
+            if let Some(track) = self.table.track_mut(place).filter(|track| track.is_unseen()) {
+                track.look_around(pixels);
+            }
+            self.learn(place, pixels, noise_q8);
+            last = next;
+        }
+    }
+
+    /// The newest line after the last one, by its points and its place, of those that lack a model.
+    fn newest_to_learn(&self, row: u16, last: (u16, u16)) -> Option<(u16, u16)> {
+        let asking = self.table.under_way().iter().filter_map(|place| {
+            let track = self.table.track(*place).filter(|track| track.is_to_learn(row))?;
+            Some((track.line.points(), *place))
+        });
+        asking.filter(|line| *line > last).min()
     }
 
     /// Gives a line a model of its edge, from the row in which it was last seen.
@@ -210,6 +225,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.stray_points = self.counters.stray_points.saturating_add(points);
     }
 
+    /// Counts a row that could not be read whole.
+    pub(crate) fn count_crowded_row(&mut self) {
+        self.counters.crowded_rows = self.counters.crowded_rows.saturating_add(1);
+    }
+
     /// Counts a point for which there was no room.
     pub(crate) fn count_dropped_point(&mut self) {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
@@ -232,7 +252,6 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     slot: *place,
                     polarity: track.line.first().polarity,
                     role,
-                    is_located: false,
                 });
             }
         }
@@ -260,7 +279,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let mut tentative = Association::over(lines(Role::Tentative));
         let last = |settled: Outcome<'e>, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
-            Outcome::Unmatched(point) => tracker.begin(*point),
+            Outcome::Unmatched(point) => tracker.begin(*point, limits),
         };
         let mut first = |settled: Outcome<'e>, tracker: &mut Self| match settled {
             Outcome::Matched(pair) => tracker.join(&pair, limits),
@@ -279,13 +298,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             return;
         }
         if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(pair.point, limits)) {
-            self.begin(*pair.point);
+            self.begin(*pair.point, limits);
         }
     }
 
     /// Starts a tentative line, if there is room.
-    fn begin(&mut self, point: EdgePoint) {
-        if !self.table.begin(point) {
+    fn begin(&mut self, point: EdgePoint, limits: &Limits) {
+        if !self.table.begin(point, limits) {
             self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
             self.count_dropped_point();
         }

@@ -1,10 +1,16 @@
 //! The numbers of this room that were chosen rather than derived: unit, reason, and the tests that watch them.
 
-/// A line is one by chance unless its mean contrast exceeds that of parallel lines around by so many of their
-/// deviations. A frame has some 10⁵ places for a line, which normal values need 4.5 for; texture has longer tails, the
-/// tracker follows what is strongest, and crossing bars are coherent (`false_distances::of_clutter` with 11; fewer real
-/// edges with more).
-pub(super) const CHANCE_SIGMAS: u64 = 12;
+/// Half sigmas. A line is one by chance unless its mean contrast exceeds that of parallel lines around by 4.5 of their
+/// deviations: a frame has some 10⁵ places for a line (`false_distances::of_clutter`, and fewer real edges with more).
+pub(super) const CHANCE_SIGMAS_Q1: u64 = 9;
+
+/// Texture has longer tails than normal values, of which the mean of many rows keeps nothing: for so many rows the
+/// limit above is doubled, for fewer it is more (`false_distances::of_texture`, `false_distances::of_clutter`).
+pub(super) const TAIL_ROWS: u64 = 40;
+
+/// An edge whose levels both overshoot by one of so many parts of its contrast is sharpened
+/// (`real_cameras::sharpened_5x5`; `false_distances::of_leaning_bars` with more parts).
+pub(super) const LEAST_HALO_PARTS: i32 = 64;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).
@@ -63,6 +69,10 @@ pub(super) const MOST_SCATTER_Q16: u16 = 1 << 15;
 /// No gate is wider, in 1/65536 px: that of a line whose rows are so sparse that it would take any point.
 pub(super) const MAX_GATE_Q16: u32 = 48 << 16;
 
+/// The gate of a line that its model locates changes slowly: it is taken anew once in so many points
+/// (`clutter::crossing_bars_lead_no_line_astray`, `cargo xtask budget --use "two bars"`).
+pub(super) const GATE_POINTS: u16 = 16;
+
 /// A line that jumps ends, and begins again, within so many rows: each is found or lost a row or two late
 /// (`jumps::missing_rows_are_noticed`).
 pub(super) const JUMP_ROWS: u16 = 3;
@@ -99,3 +109,8 @@ pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 /// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
+
+/// At most so many lines get a model in one row, since each costs as much as a dozen rows of a line, the first look
+/// around included: the newest, since older ones may have no edge that a model can have. The points of the others are
+/// refined alone until it is their turn (`frames::short_bars_are_found_in_a_clear_view` with 4).
+pub(super) const MODELS_A_ROW: usize = 8;

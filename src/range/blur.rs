@@ -24,6 +24,8 @@ pub(crate) struct BlurMeasurement<S: Scalar> {
     measured_px2: S,
     /// One sigma of its logarithm, from noise and from how far widths can be trusted.
     sigma_ln: S,
+    /// The same of an edge that is narrower than expected.
+    sigma_narrow_ln: S,
     lens_px: S,
     sigma_lens_px: S,
 }
@@ -39,6 +41,11 @@ const PATH_STEPS: usize = 2;
 /// A good edge may be so much more blurred than its slope implies, as a factor on the variance: the lens is softer in
 /// the corners, and not everything is in focus.
 const SOFTER: (i32, i32) = (3, 2);
+
+/// How far the width of an edge without a halo may be below the expected one, as a sigma of its logarithm, whatever
+/// the camera: only sharpening makes edges much narrower, and it leaves a halo (`false_distances::of_leaning_bars` with
+/// more, `real_cameras` with half of it).
+const UNSHARPENED: (i32, i32) = (1, 8);
 
 /// Beyond so many sigmas the blur contradicts the slope.
 const MOST_SIGMAS: i32 = 4;
@@ -63,11 +70,18 @@ impl<S: Scalar> BlurMeasurement<S> {
         let mut sweep = |part: S| observer.sweep(&line.point_between(part), half);
         let place = S::ratio(PLACE.0, PLACE.1);
         // A variance is a square: its logarithm has twice the relative error of the width.
-        let relative_sigma = hypot(sigma_px / width_px, setup.sigma_blur());
+        let twice_sigma = |of_blur: S| {
+            let relative_sigma = hypot(sigma_px / width_px, of_blur);
+            relative_sigma + relative_sigma
+        };
+        let sigma_blur = setup.sigma_blur();
+        let unsharpened = S::ratio(UNSHARPENED.0, UNSHARPENED.1);
+        let sigma_narrow = if line.may_be_sharpened() { sigma_blur } else { sigma_blur.min(unsharpened) };
         Some(Self {
             sweeps: [sweep(place)?, sweep(S::ONE - place)?],
             measured_px2: line.mean_square_width_px2(width_px, width_sigma_px),
-            sigma_ln: relative_sigma + relative_sigma,
+            sigma_ln: twice_sigma(sigma_blur),
+            sigma_narrow_ln: twice_sigma(sigma_narrow),
             lens_px: blur.lens_blur_px,
             sigma_lens_px: blur.sigma_lens_blur_px,
         })
@@ -90,8 +104,12 @@ impl<S: Scalar> BlurMeasurement<S> {
 
     /// One sigma of the logarithm, the lens's own blur included.
     fn joint_sigma_ln(&self, path: &Path<S>) -> S {
+        self.with_lens(self.sigma_ln, path)
+    }
+
+    fn with_lens(&self, sigma_ln: S, path: &Path<S>) -> S {
         let of_lens = self.per_lens_px(path) * self.sigma_lens_px;
-        (self.sigma_ln * self.sigma_ln).plus_product(of_lens, of_lens).sqrt()
+        (sigma_ln * sigma_ln).plus_product(of_lens, of_lens).sqrt()
     }
 
     /// Path along the row during the exposure.
@@ -133,9 +151,10 @@ impl<S: Scalar> BlurMeasurement<S> {
         let sigma_px = path.per_inverse_depth * sigma_per_m;
         let longer = path.to(path.px.abs() + sigma_px + sigma_px);
         let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
-        let most = |path: &Path<S>| self.joint_sigma_ln(path) * S::from_i32(MOST_SIGMAS);
+        let most = |sigma_ln, path: &Path<S>| self.with_lens(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
         let softer = S::ratio(SOFTER.0, SOFTER.1);
-        self.excess_ln(&shorter) >= -most(&shorter) && self.excess_ln(&longer) <= ln(softer) + most(&longer)
+        self.excess_ln(&shorter) >= -most(self.sigma_narrow_ln, &shorter)
+            && self.excess_ln(&longer) <= ln(softer) + most(self.sigma_ln, &longer)
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.

@@ -37,6 +37,12 @@ pub struct Readout {
     rows: u16,
     line_time_ps: u64,
     direction: ReadoutDirection,
+    /// The line time once more, in whole nanoseconds and what is left of it: a row's time then needs no quotient of 64
+    /// bits.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
+    whole_ns: u64,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
+    rest_ps: u16,
 }
 
 /// One minute: slower than any sensor, and small enough that no sum of times can overflow.
@@ -58,7 +64,8 @@ impl Readout {
             let expected = "above zero (a global shutter has no effect to measure), and a frame below one minute";
             return Err(ParameterError::of_whole("line_time_ps", line_time_ps, expected));
         }
-        Ok(Self { rows, line_time_ps, direction })
+        let (whole_ns, rest_ps) = (line_time_ps / 1000, (line_time_ps % 1000) as u16);
+        Ok(Self { rows, line_time_ps, direction, whole_ns, rest_ps })
     }
 
     /// From the readout time of the whole frame in nanoseconds: rows × line time.
@@ -141,7 +148,8 @@ impl Readout {
     /// Middle of the exposure of `row` in nanoseconds since frame start, rounded once from an exact product.
     #[must_use]
     pub const fn row_time_ns(&self, row: u16) -> i64 {
-        ((self.rows_before(row) as u64 * self.line_time_ps + 500) / 1000) as i64
+        let rows = self.rows_before(row);
+        (rows as u64 * self.whole_ns + ((rows as u32 * self.rest_ps as u32 + 500) / 1000) as u64) as i64
     }
 }
 

@@ -142,6 +142,7 @@ impl Edges {
         };
         let mut hints = hints::of_pixels(&pixels, unused_bits);
         hints.extend(lines.jump.map(|jump| jump.to_string()));
+        hints.extend(hints::of_crowded_rows(&lines.counters, setup.readout().rows()));
         Ok(Self { lines, hints, picture })
     }
 }

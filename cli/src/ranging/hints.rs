@@ -1,7 +1,7 @@
 //! Hints: sentences for a person about what is probably wrong with a picture.
 
 use image::GrayImage;
-use shutter_range::{PixelReport, Suspicion};
+use shutter_range::{Counters, PixelReport, Suspicion};
 
 use crate::input::grey_levels::UnusedBits;
 
@@ -12,6 +12,18 @@ pub(crate) fn of_pixels(pixels: &GrayImage, unused_bits: Option<UnusedBits>) -> 
     let is_news = |suspicion: &Suspicion| unused_bits.is_none() || !matches!(suspicion, Suspicion::FewLevels { .. });
     let suspicions = report.suspicions().filter(is_news).map(|suspicion| suspicion.to_string());
     unused_bits.map(of_unused_bits).into_iter().chain(suspicions).collect()
+}
+
+/// Rows that could not be read whole, if there are any.
+pub(crate) fn of_crowded_rows(counters: &Counters, rows: u16) -> Option<String> {
+    let Counters { crowded_rows, dropped_points, .. } = *counters;
+    (crowded_rows > 0).then(|| {
+        let why = match dropped_points {
+            0 => "texture or noise everywhere hides edges in them",
+            _ => "they have more edges than the tables hold",
+        };
+        format!("{crowded_rows} of {rows} rows could not be read whole, and edges may be missing: {why}")
+    })
 }
 
 /// Whether neighbouring columns alternate, as those of a colour mosaic do.

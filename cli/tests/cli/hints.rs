@@ -123,3 +123,19 @@ fn a_colour_mosaic_read_as_grey_is_told() {
     let yuyv = GrayImage::from_fn(640, 480, |x, row| if x % 2 == 0 { *painted.get_pixel(x, row) } else { Luma([128]) });
     assert!(hints(SETUP, png(yuyv)).contains(&expected.to_string()));
 }
+
+/// Texture everywhere hides edges: few ranges have a reason.
+#[test]
+fn rows_that_cannot_be_read_are_told() {
+    let gravel = GrayImage::from_fn(640, 480, |x, y| {
+        let cell =
+            (u64::from(x) / 4).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (u64::from(y) / 4).wrapping_mul(0xc2b2_ae3d);
+        Luma([(cell.wrapping_mul(0xff51_afd7_ed55_8ccd) >> 56) as u8])
+    });
+    let found = hints(SETUP, png(gravel));
+    let hint = found.iter().find(|hint| hint.contains("could not be read whole")).expect("a hint");
+    assert!(
+        hint.contains(" of 480 rows") && hint.ends_with("texture or noise everywhere hides edges in them"),
+        "{hint}"
+    );
+}
