@@ -126,6 +126,26 @@ fn add_texture(frame: &mut [Vec<u8>], from: usize, random: &mut StdRng) {
     }
 }
 
+/// What is usual in a row says little of a place: bars that are fainter than the texture in the rest of their rows are
+/// found where there is none.
+#[test]
+fn an_edge_fainter_than_texture_elsewhere() {
+    let world = moving(1.5);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    let (mut found, mut edges) = (0, 0);
+    for seed in 1..9 {
+        let mut scene: Scene<1> = Scene::new(Background::plain(60.0)).expect("sound background");
+        scene.push(Bar::upright(-0.4, 1.2, 0.12, 80.0)).expect("a sound bar");
+        let (mut frame, truths) = render(&scene, &world, TOP, Exposure::default(), seed);
+        add_texture(&mut frame, 120, &mut StdRng::seed_from_u64(seed));
+        let ranges = ranges_of(&mut Ranger::<64, 16, 64>::new(), &setup, &world, &frame);
+        edges += truths.len();
+        found += truths.iter().filter(|truth| range_of(&ranges, truth).is_some()).count();
+    }
+    println!("{found} of {edges} edges");
+    assert_eq!(found, edges);
+}
+
 /// Short bars of clear contrast are no clutter because there is texture a hundred pixels away in their rows.
 #[test]
 fn texture_elsewhere_is_no_clutter() {

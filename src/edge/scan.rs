@@ -10,7 +10,9 @@ use core::ops::Range;
 use super::noise::{Across, Down, WINDOW};
 use super::pixel_row::grey;
 use super::point::{EdgePoint, Polarity};
-use super::tuning::{LEAST_DIFFERENCE, LEAST_NOISE_Q8, MOST_HIDDEN, PEAK_SIGMAS_Q1, THRESHOLD_SIGMAS, UPRIGHT_RATIO};
+use super::tuning::{
+    LEAST_DIFFERENCE, LEAST_NOISE_Q8, MOST_HIDDEN, NOISE_SIGMAS, PEAK_SIGMAS_Q1, TEXTURE_SIGMAS, UPRIGHT_RATIO,
+};
 use crate::format::Pixels;
 
 /// A point of an edge as a single row of pixels shows it.
@@ -52,8 +54,8 @@ impl ScannedPoint {
 /// a few pixels of them: 64 bytes.
 ///
 /// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where
-/// the means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma
-/// of what is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what
+/// the means of two neighbouring windows of four pixels differ by more than six grey levels, by more than four sigma of
+/// noise, and by more than three of what is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what
 /// is usual across does not, upright edges are usual, as in a fence.
 ///
 /// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels; a fence
@@ -134,7 +136,8 @@ impl Scanner {
         // One sigma of a difference, which sums eight pixels.
         let of_noise_q8 = noise_q8 * 181 / 64;
         let usual_q8 = usual(self.across.difference_q8(), self.down.difference_q8()).max(of_noise_q8);
-        let least = ((THRESHOLD_SIGMAS * usual_q8) >> 8).max(LEAST_DIFFERENCE);
+        let least = (NOISE_SIGMAS * of_noise_q8).max(TEXTURE_SIGMAS * usual_q8) >> 8;
+        let least = least.max(LEAST_DIFFERENCE);
         let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise_q8) >> 9);
         let mut seen = 0;
         let look = |from, to| {
