@@ -75,6 +75,11 @@ impl<'p, P: Pixels> Window<'p, P> {
         if flank_from > flank_to {
             return None;
         }
+        // Between two neighbours the outermost pixels belong to the flank as well: two alone would tell nothing.
+        let is_narrow = flank_to - flank_from < LEAST_FLANK;
+        let (left_to, right_from) =
+            if is_narrow { (from + row.colours(), to - row.colours()) } else { (flank_from, flank_to) };
+        let (flank_from, flank_to) = if is_narrow { (from.max(first), to.min(end)) } else { (flank_from, flank_to) };
         // Within the row, and each not before the one on its left.
         let stretch = |from: i32, to: i32| Stretch { from: from as usize, to: to as usize };
         let is_whole = from == whole_from && to == end + plateau;
@@ -82,7 +87,7 @@ impl<'p, P: Pixels> Window<'p, P> {
             row,
             flank: stretch(flank_from, flank_to),
             weights: phase.weights.get((flank_from - first) as usize..)?,
-            plateaus: [stretch(from, flank_from), stretch(flank_to, to)],
+            plateaus: [stretch(from, left_to), stretch(right_from, to)],
             whole: is_whole.then_some(&phase.norms),
             centre_q8,
         })
@@ -144,6 +149,9 @@ impl<'p, P: Pixels> Window<'p, P> {
         });
     }
 }
+
+/// Fewest pixels that tell place and width of an edge.
+const LEAST_FLANK: i32 = 3;
 
 /// From where to where the pixels are an edge's own: up to where a neighbour's blur begins, or half the way to it.
 fn view(column_q8: i32, reach_q8: i32, (left_q8, right_q8): (i32, i32)) -> (i32, i32) {

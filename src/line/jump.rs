@@ -118,10 +118,17 @@ impl<const LINES: usize> Jump<LINES> {
         };
         let moved = self.broken.iter().filter(|line| moves(line.slope_q16) && self.goes_on(line, displacement));
         let whole = self.whole.iter().filter(|slope_q16| moves(**slope_q16)).count();
-        let stays = self.broken.iter().filter(|line| self.goes_on(line, Displacement::Rows(0))).count();
+        let are_all = |count: usize| 4 * count * self.all_broken >= 3 * self.broken.len() * (self.all_broken + whole);
+        // Most displacements are none: a few lines tell.
+        if !are_all(self.broken.len()) || self.broken.len() < self.whole.len() {
+            return false;
+        }
         let count = moved.clone().count();
-        let are_all = 4 * count * self.all_broken >= 3 * self.broken.len() * (self.all_broken + whole);
-        are_all && count > stays && count >= self.whole.len() && self.chance_q32(moved, displacement) <= MOST_CHANCE_Q32
+        let stays = || self.broken.iter().filter(|line| self.goes_on(line, Displacement::Rows(0))).count();
+        are_all(count)
+            && count >= self.whole.len()
+            && count > stays()
+            && self.chance_q32(moved, displacement) <= MOST_CHANCE_Q32
     }
 
     /// How often such lines break off within the same rows, and others begin where they are displaced to, if neither

@@ -50,12 +50,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         if !points.is_empty() {
             let mut candidates = Candidates::new();
             self.expect(limits, row, &mut candidates);
-            for polarity in [Polarity::Rising, Polarity::Falling, Polarity::Unknown] {
-                let of_polarity = |point: &&EdgePoint| point.polarity == polarity;
-                if points.iter().any(|point| of_polarity(&point)) {
-                    self.match_points(limits, &candidates, points.iter().filter(of_polarity), polarity);
-                }
-            }
+            self.match_points(limits, &candidates, points);
         }
         if !self.end_lines(limits, row) {
             return None;
@@ -265,33 +260,39 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
-    /// confirmed line does not take its points. A point without a line starts one.
-    fn match_points<'e>(
-        &mut self,
-        limits: &Limits,
-        candidates: &Candidates<LINES>,
-        points: impl Iterator<Item = &'e EdgePoint>,
-        polarity: Polarity,
-    ) {
-        let lines = |role| {
+    /// confirmed line does not take its points. A point without a line starts one. From left to right, whatever their
+    /// polarity: a full table then holds edges side by side, which tell each other's plateaus.
+    fn match_points(&mut self, limits: &Limits, candidates: &Candidates<LINES>, points: &[EdgePoint]) {
+        let lines = |role, polarity| {
             let among = move |candidate: &&Candidate| candidate.role == role && candidate.polarity == polarity;
             candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
         };
-        let mut confirmed = Association::over(lines(Role::Confirmed));
-        let mut tentative = Association::over(lines(Role::Tentative));
-        let last = |settled: Outcome<'e>, tracker: &mut Self| match settled {
-            Outcome::Matched(pair) => tracker.join(&pair, limits),
-            Outcome::Unmatched(point) => tracker.begin(*point, limits),
-        };
-        let mut first = |settled: Outcome<'e>, tracker: &mut Self| match settled {
-            Outcome::Matched(pair) => tracker.join(&pair, limits),
-            Outcome::Unmatched(point) => tentative.point(point, &mut |settled| last(settled, tracker)),
-        };
+        let mut polarities = [Polarity::Rising, Polarity::Falling, Polarity::Unknown].map(|polarity| {
+            let over = |role| Association::over(lines(role, polarity));
+            (polarity, over(Role::Confirmed), over(Role::Tentative))
+        });
         for point in points {
-            confirmed.point(point, &mut |settled| first(settled, self));
+            let of_point = polarities.iter_mut().find(|(polarity, ..)| *polarity == point.polarity);
+            let Some((_, confirmed, tentative)) = of_point else { continue };
+            confirmed.point(point, &mut |settled| match settled {
+                Outcome::Matched(pair) => self.join(&pair, limits),
+                Outcome::Unmatched(point) => tentative.point(point, &mut |settled| self.settle(&settled, limits)),
+            });
         }
-        confirmed.finish(&mut |settled| first(settled, self));
-        tentative.finish(&mut |settled| last(settled, self));
+        for (_, confirmed, mut tentative) in polarities {
+            confirmed.finish(&mut |settled| match settled {
+                Outcome::Matched(pair) => self.join(&pair, limits),
+                Outcome::Unmatched(point) => tentative.point(point, &mut |settled| self.settle(&settled, limits)),
+            });
+            tentative.finish(&mut |settled| self.settle(&settled, limits));
+        }
+    }
+
+    fn settle(&mut self, settled: &Outcome<'_>, limits: &Limits) {
+        match settled {
+            Outcome::Matched(pair) => self.join(pair, limits),
+            Outcome::Unmatched(point) => self.begin(**point, limits),
+        }
     }
 
     fn join(&mut self, pair: &Pair<'_>, limits: &Limits) {
