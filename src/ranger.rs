@@ -122,7 +122,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             _ => (0, self.begin_row(setup, &point)?),
         };
         self.tracker.count_points(1);
-        if self.row.insert(at, EdgePoint { time_ns, ..point }).is_err() {
+        // It is not beyond them, but only so is that seen where code is small.
+        if self.row.insert(at.min(self.row.len()), EdgePoint { time_ns, ..point }).is_err() {
             self.tracker.count_dropped_point();
         }
         Ok(())

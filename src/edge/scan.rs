@@ -230,25 +230,25 @@ impl Comparison {
     }
 }
 
-/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit.
+/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit, but for spans
+/// with explained positions.
 fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
     let mut buffer = [0; SPAN * GROUP];
-    let mut comparison = Comparison::begin(limit, grey(pixels, 0..SPAN, &mut buffer));
     let mut open: Option<(usize, usize)> = None;
     let spans = pixels.columns() / SPAN;
-    for at in (1..spans).step_by(GROUP) {
-        let group = grey(pixels, at * SPAN..(at + GROUP).min(spans) * SPAN, &mut buffer);
-        let before = comparison;
-        if comparison.any_of(group) {
-            comparison = before;
-            let mut differing = 0_u32;
-            for (index, span) in group.chunks_exact(SPAN).enumerate() {
-                differing |= u32::from(comparison.span(span) & Comparison::HIGHEST != 0) << index;
-            }
-            differing &= !explained_spans(explained, at);
-            while differing != 0 {
-                add_stretch(&mut open, at + differing.trailing_zeros() as usize, &mut stretch);
-                differing &= differing - 1;
+    for gap in unexplained(explained, spans) {
+        let before = grey(pixels, (gap.start - 1) * SPAN..gap.start * SPAN, &mut buffer);
+        let mut comparison = Comparison::begin(limit, before);
+        for at in gap.clone().step_by(GROUP) {
+            let group = grey(pixels, at * SPAN..(at + GROUP).min(gap.end) * SPAN, &mut buffer);
+            let before = comparison;
+            if comparison.any_of(group) {
+                comparison = before;
+                for (index, span) in group.chunks_exact(SPAN).enumerate() {
+                    if comparison.span(span) & Comparison::HIGHEST != 0 {
+                        add_stretch(&mut open, at + index, &mut stretch);
+                    }
+                }
             }
         }
     }
@@ -269,14 +269,17 @@ fn has_edge_in_tail(pixels: &impl Pixels, limit: u32) -> bool {
     Comparison::begin(limit, first).span(last) & Comparison::HIGHEST != 0
 }
 
-/// The spans of a group whose differences lie in explained columns.
-fn explained_spans(explained: &[Range<u16>], group: usize) -> u32 {
-    let below = |span: usize| (1_u64 << span.saturating_sub(group).min(GROUP)) - 1;
-    let of = |columns: &Range<u16>| {
-        let span_of = |column: u16| (usize::from(column) + WINDOW) / SPAN;
-        below(span_of(columns.end) + 1) & !below(span_of(columns.start))
-    };
-    explained.iter().fold(0, |spans, columns| spans | of(columns)) as u32
+/// The spans of a row, but for the first and those with explained positions: what is between these.
+fn unexplained(explained: &[Range<u16>], spans: usize) -> impl Iterator<Item = Range<usize>> {
+    let span_of = |position: u16| (usize::from(position) + WINDOW) / SPAN;
+    let flanks = explained.iter().map(move |flank| (span_of(flank.start).min(spans), span_of(flank.end) + 1));
+    let mut from = 1;
+    let gaps = flanks.chain([(spans, spans)]).map(move |(start, end)| {
+        let gap = from..start;
+        from = from.max(end);
+        gap
+    });
+    gaps.filter(|gap| !gap.is_empty())
 }
 
 /// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
