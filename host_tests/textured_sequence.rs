@@ -89,7 +89,7 @@ fn texture_behind_an_edge_is_in_the_sigma_of_a_sequence() {
 fn what_stands_out_a_little_waits_for_three_frames() {
     let (mut single, mut first, mut third) = (0, 0, 0);
     for number in 0..12 {
-        drive(number, 120.0, |frame, ranges, alone| {
+        drive(number, 180.0, |frame, ranges, alone| {
             let ok = |ranges: &[Range<f64>]| ranges.iter().filter(|range| range.status == RangeStatus::Ok).count();
             match frame {
                 0 => (single, first) = (single + ok(alone), first + ok(ranges)),

@@ -54,8 +54,8 @@ impl ScannedPoint {
 /// a few pixels of them: 64 bytes.
 ///
 /// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where
-/// the means of two neighbouring windows of four pixels differ by more than six grey levels, by more than four sigma of
-/// noise, and by more than three of what is usual in these rows, be it noise or texture. Both change down the rows as much as across them; where what
+/// the means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma
+/// of what is usual in these rows, or three where that is not noise but texture. Both change down the rows as much as across them; where what
 /// is usual across does not, upright edges are usual, as in a fence.
 ///
 /// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels; a fence
@@ -136,8 +136,9 @@ impl Scanner {
         // One sigma of a difference, which sums eight pixels.
         let of_noise_q8 = noise_q8 * 181 / 64;
         let usual_q8 = usual(self.across.difference_q8(), self.down.difference_q8()).max(of_noise_q8);
-        let least = (NOISE_SIGMAS * of_noise_q8).max(TEXTURE_SIGMAS * usual_q8) >> 8;
-        let least = least.max(LEAST_DIFFERENCE);
+        // What is usual is texture where noise does not explain half of it.
+        let of_texture_q8 = (TEXTURE_SIGMAS * usual_q8).max(2 * NOISE_SIGMAS * of_noise_q8);
+        let least = ((NOISE_SIGMAS * usual_q8).min(of_texture_q8) >> 8).max(LEAST_DIFFERENCE);
         let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise_q8) >> 9);
         let mut seen = 0;
         let look = |from, to| {

@@ -32,12 +32,12 @@ pub(super) const LEAST_DIFFERENCE: u32 = 24;
 /// all levels (`fences::rows_that_cannot_be_read_are_counted`).
 pub(super) const MOST_HIDDEN: u32 = 64;
 
-/// A difference counts if it exceeds so many sigma of noise (`scanning::the_threshold_follows_the_noise`).
+/// A difference counts if it exceeds so many sigma of what is usual (`scanning::the_threshold_follows_the_noise`).
 pub(super) const NOISE_SIGMAS: u32 = 4;
 
-/// And so many of what is usual, texture included. What is usual in the whole row says little of a place, and which
-/// lines are texture is decided along them; with fewer the points of texture crowd out those of edges (`cargo test
-/// an_edge_fainter_than_texture_elsewhere`).
+/// Where that is texture, more than twice the noise, so many do: what is usual in the whole row says little of a place,
+/// and which lines are texture is decided along them (`clutter::an_edge_fainter_than_texture_elsewhere`; with two of
+/// them the points of texture crowd out those of edges).
 pub(super) const TEXTURE_SIGMAS: u32 = 3;
 
 /// The largest difference of an edge exceeds so many halves of a sigma of noise: four sigma are exceeded by chance in
