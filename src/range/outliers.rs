@@ -106,18 +106,18 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         let least_change = S::ratio(1, REWEIGHTED_PART);
         for _ in 0..REWEIGHTING_ROUNDS {
-            let mut most_change = S::ZERO;
+            let mut has_settled = true;
             let near = solution.near(self.equations.units);
             for (equation, scale) in self.equations.observed.iter_mut().zip(&mut scales) {
                 let deviation = near.deviation::<S>(equation).abs() * *scale;
                 let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
                 let factor = *scale / next;
-                most_change = most_change.max((factor - S::ONE).abs());
+                has_settled = has_settled && (factor - S::ONE).abs() < least_change;
                 *equation = equation.near_scaled(factor.factor(0));
                 *scale = next;
             }
             solution = solve(&mut self.equations);
-            if most_change < least_change {
+            if has_settled {
                 break;
             }
         }

@@ -41,16 +41,13 @@ fn sum_and(sum: i64, a: i32, b: i32) -> i64 {
     sum.wrapping_add(((i64::from(high) << 32) | i64::from(low)) >> SPARE)
 }
 
-/// The product with a factor that is 8 or more; the largest number of its sign where it does not fit.
+/// Times a power of two above one; the largest number of its sign where it does not fit.
 #[inline(never)]
-fn times_large(a: i32, by: Factor) -> i32 {
-    let (high, low) = product(a, by.near.to_bits());
-    let wide = (i64::from(high) << 32) | i64::from(low);
-    // No product of these is larger than 2⁶².
-    let kept = wide >> (FRACTION - by.left).max(0);
-    let limited = kept.clamp(-i64::from(i32::MAX), i64::from(i32::MAX));
-    let rest = (by.left - FRACTION).clamp(0, 31);
-    (limited << rest).clamp(-i64::from(i32::MAX), i64::from(i32::MAX)) as i32
+fn enlarged(bits: i32, left: i32) -> i32 {
+    // What has lost its sign or more is beyond.
+    let left = left.min(31);
+    let shifted = bits << left;
+    if shifted >> left == bits { shifted } else { (bits >> 31) ^ i32::MAX }
 }
 
 impl Arithmetic for I4F28 {
@@ -110,7 +107,9 @@ impl Near for I4F28 {
 
     #[inline]
     fn scaled(self, by: Factor) -> Self {
-        if by.left == 0 { self.times(by.near) } else { Self::from_bits(times_large(self.to_bits(), by)) }
+        // As exact as the number itself allows.
+        let product = self.times(by.near);
+        if by.left == 0 { product } else { Self::from_bits(enlarged(product.to_bits(), by.left)) }
     }
 
     #[inline]
