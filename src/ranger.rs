@@ -160,7 +160,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let mut explained = Explained::new();
         let mut flanks = Flanks::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut explained, &mut flanks);
-        let is_blinded = self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
+        let mut demand = Demand::new();
+        tracker.demand(setup.limits(), row, &mut demand);
+        let mut asked: Vec<_, LINES> = Vec::new();
+        demand.add_columns(&mut asked);
+        let asked = demand.is_of_full_table().then_some(&asked[..]);
+        let is_blinded = self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -168,14 +173,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         });
         tracker.remove_explained(&mut explained, points);
         tracker.count_points(points.len() as u32);
-        let mut demand = Demand::new();
-        if !points.is_empty() {
-            tracker.demand(setup.limits(), row, &mut demand);
-        }
         refine_alone(points, row, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
-        if is_blinded || tracker.counters().dropped_points != dropped_points {
+        if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
         if let Some(row) = jump {

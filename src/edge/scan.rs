@@ -115,15 +115,16 @@ impl Scanner {
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
     /// right.
     pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
-        let _ = self.scan_beside(pixels, &[], true, found);
+        let _ = self.scan_where(pixels, None, &[], true, found);
     }
 
-    /// Likewise, but for the flanks of known edges, from left to right: positions whose differences are these edges'
+    /// Likewise, but only in some columns, where these are given, and but for the flanks of known edges, from left to right: positions whose differences are these edges'
     /// own. What differs elsewhere in the spans with such a flank is looked at only where that is asked for. Whether
     /// texture or noise everywhere hides edges that are anything but faint.
-    pub(crate) fn scan_beside(
+    pub(crate) fn scan_where(
         &mut self,
         pixels: impl Pixels,
+        asked: Option<&[Range<u16>]>,
         flanks: &[Range<u16>],
         looks_beside: bool,
         mut found: impl FnMut(ScannedPoint),
@@ -142,7 +143,9 @@ impl Scanner {
                 seen = fine(&pixels, positions, seen, (least as i32, noise_q8), &mut found);
             });
         };
-        coarse(&pixels, least_peak, if looks_beside { &[] } else { flanks }, look);
+        if asked.is_none_or(|asked| !asked.is_empty()) {
+            coarse(&pixels, least_peak, asked, if looks_beside { &[] } else { flanks }, look);
+        }
         least > WINDOW as u32 * MOST_HIDDEN
     }
 }
@@ -227,8 +230,15 @@ impl Comparison {
     }
 }
 
-/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit.
-fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
+/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit: of those that
+/// are asked for, if any are, and not explained.
+fn coarse(
+    pixels: &impl Pixels,
+    limit: u32,
+    asked: Option<&[Range<u16>]>,
+    explained: &[Range<u16>],
+    mut stretch: impl FnMut(usize, usize),
+) {
     let mut buffer = [0; SPAN * GROUP];
     let mut comparison = Comparison::begin(limit, grey(pixels, 0..SPAN, &mut buffer));
     let mut open: Option<(usize, usize)> = None;
@@ -242,7 +252,7 @@ fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretc
             for (index, span) in group.chunks_exact(SPAN).enumerate() {
                 differing |= u32::from(comparison.span(span) & Comparison::HIGHEST != 0) << index;
             }
-            differing &= !explained_spans(explained, at);
+            differing &= asked.map_or(u32::MAX, |asked| spans_of(asked, at)) & !spans_of(explained, at);
             while differing != 0 {
                 add_stretch(&mut open, at + differing.trailing_zeros() as usize, &mut stretch);
                 differing &= differing - 1;
@@ -266,14 +276,14 @@ fn has_edge_in_tail(pixels: &impl Pixels, limit: u32) -> bool {
     Comparison::begin(limit, first).span(last) & Comparison::HIGHEST != 0
 }
 
-/// The spans of a group whose differences lie in explained columns.
-fn explained_spans(explained: &[Range<u16>], group: usize) -> u32 {
+/// The spans of a group whose differences lie in some columns.
+fn spans_of(columns: &[Range<u16>], group: usize) -> u32 {
     let below = |span: usize| (1_u64 << span.saturating_sub(group).min(GROUP)) - 1;
     let of = |columns: &Range<u16>| {
         let span_of = |column: u16| (usize::from(column) + WINDOW) / SPAN;
         below(span_of(columns.end) + 1) & !below(span_of(columns.start))
     };
-    explained.iter().fold(0, |spans, columns| spans | of(columns)) as u32
+    columns.iter().fold(0, |spans, columns| spans | of(columns)) as u32
 }
 
 /// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
