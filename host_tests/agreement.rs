@@ -104,12 +104,13 @@ fn no_back_end_gives_a_distance_to_a_line_that_fixes_none() {
     let cases = cases(short_line_of_a_camera_that_backs_up, COUNT);
     let exact = cases.iter().filter(|case| case.verdict::<f64>().0 == RangeStatus::Ok).count();
     assert_eq!(exact, 0);
-    // Lines whose rounds do not settle: which of two wrong places they end at is a matter of rounding. Fixed point cuts
-    // off where floating point rounds.
+    // Lines whose rounds do not settle: which of two wrong places they end at is a matter of rounding. What such a line
+    // shows of the depth is smaller than the step of numbers near one: where floating point follows its noise away and
+    // calls the line bent, fixed point says that nothing is known.
     for (name, (others, wrongly_ok), most) in [
         ("f32", disagreements::<f32>(&cases), COUNT / 1000),
         ("Micro", disagreements::<Micro>(&cases), COUNT / 1000),
-        ("Q32", disagreements::<Q32>(&cases), COUNT / 250),
+        ("Q32", disagreements::<Q32>(&cases), COUNT / 40),
     ] {
         println!("{name}: {others} of {COUNT}");
         assert_eq!(wrongly_ok, 0, "{name}");

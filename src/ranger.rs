@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Explained, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
+use crate::line::{Counters, Demand, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -54,10 +54,10 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
     frame: Frame,
 }
 
-/// For a small board: 8 lines, 16 edge points a row. 4.4 kB.
+/// For a small board: 8 lines, 16 edge points a row. 4.5 kB.
 pub type SmallRanger = Ranger<8, 8, 16>;
 
-/// For a vision board: 16 lines, 32 edge points a row. 11.3 kB.
+/// For a vision board: 16 lines, 32 edge points a row. 11.4 kB.
 pub type BoardRanger = Ranger<16, 12, 32>;
 
 /// For a desktop: 256 lines, 4096 edge points a row. 0.8 MB: make it in a `static`, or box it.
@@ -136,8 +136,11 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a
     /// frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and two to four thousand for each edge; docs/budget.md has
-    /// them by board, and what texture and fences cost.
+    /// *Cost*: some seven to twelve instructions a pixel and two to three thousand for each edge; docs/budget.md has
+    /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
+    /// each of `POINTS`; for each of `LINES` one look of its model and one scanned point that is refined; eight new
+    /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in one
+    /// of the next rows.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
@@ -157,9 +160,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
-        let mut explained = Explained::new();
         let mut flanks = Flanks::new();
-        tracker.locate(setup.limits(), at, pixel_row, &mut explained, &mut flanks);
+        tracker.locate(setup.limits(), at, pixel_row, &mut flanks);
         let mut demand = Demand::new();
         tracker.demand(setup.limits(), row, &mut demand);
         let mut asked: Vec<_, LINES> = Vec::new();
@@ -171,7 +173,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
                 tracker.count_dropped_point();
             }
         });
-        tracker.remove_explained(&mut explained, points);
+        tracker.remove_explained(row, points);
         tracker.count_points(points.len() as u32);
         refine_alone(points, row, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);

@@ -7,14 +7,33 @@ use heapless::Vec;
 use super::tuning::LOOK_BESIDE_ROWS;
 use crate::edge::{EdgePoint, Polarity};
 
-/// What the located lines of a row explain, from left to right.
-pub(crate) struct Explained<const LINES: usize> {
-    edges: Vec<Edge, LINES>,
+/// Where the scanner's differences are those of located lines that stand alone, from left to right but for some that are
+/// near to each other: positions of the scanner, of which the one on the left of a pixel has its number.
+pub(crate) type Flanks<const LINES: usize> = Vec<Range<u16>, LINES>;
+
+/// Where the windows of the scanner reach into the blur of a located line.
+pub(super) fn flank(point: &EdgePoint) -> Range<u16> {
+    let half_q16 = reach_q16(point) - LEAST_REACH_Q16 + WINDOW_Q16;
+    let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
+    position(point.column_q16 - half_q16)..position(point.column_q16.saturating_add(half_q16)) + 2
 }
 
-/// Where the scanner's differences are those of located lines that stand alone: nothing else is expected near them.
-// Not a part of `Explained`, which would then be cleared in each row.
-pub(crate) type Flanks<const LINES: usize> = Vec<Range<u16>, LINES>;
+/// Whether nothing else is expected near a flank, at these columns in 1/65536 px.
+pub(super) fn is_alone(flank: &Range<u16>, others_q16: &[i32]) -> bool {
+    let (middle, near) = ((i32::from(flank.start) + i32::from(flank.end)) / 2, flank.len() as u32 + NEAR_PX);
+    others_q16.iter().all(|other_q16| (other_q16 >> 16).abs_diff(middle) > near)
+}
+
+/// Whether a row is looked at beside its located lines: some of the rows are, or an edge that begins there would never
+/// be seen.
+pub(crate) const fn looks_beside(row: u16) -> bool {
+    row.is_multiple_of(LOOK_BESIDE_ROWS)
+}
+
+/// What the located lines of a row explain, from left to right.
+pub(super) struct Explained<const LINES: usize> {
+    edges: Vec<Edge, LINES>,
+}
 
 /// A located line: scanned points of its polarity near there are its own.
 struct Edge {
@@ -34,52 +53,32 @@ const LEAST_REACH_Q16: i32 = 5 << 15;
 /// Half of the scanner's window, which sees an edge so much before its flank.
 const WINDOW_Q16: i32 = 4 << 16;
 
-/// The scanner leaves out whole spans of eight pixels: what is that near may lie in one of them.
-const SPANS_Q16: i32 = 2 << (16 + 3);
+/// The scanner leaves out whole spans of eight pixels: what is that near to a flank, on either side, may lie in one, or its
+/// windows.
+const NEAR_PX: u32 = 2 * 8 + 4;
 
-/// Whether a row is looked at beside its located lines: some of the rows are, or an edge that begins there would never
-/// be seen.
-pub(crate) const fn looks_beside(row: u16) -> bool {
-    row.is_multiple_of(LOOK_BESIDE_ROWS)
-}
-
-impl Edge {
-    /// The positions of the scanner in which its windows reach into the blur; the one on the left of a pixel has its
-    /// number.
-    fn flank(&self) -> Range<u16> {
-        let half_q16 = self.reach_q16 - LEAST_REACH_Q16 + WINDOW_Q16;
-        let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
-        position(self.column_q16 - half_q16)..position(self.column_q16.saturating_add(half_q16)) + 2
-    }
+/// How far from its column a scanned point of a line may lie, in 1/65536 px: a row of a long blur may be wider than the
+/// blur itself can be.
+fn reach_q16(point: &EdgePoint) -> i32 {
+    (LEAST_REACH_Q16 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16)
 }
 
 impl<const LINES: usize> Explained<LINES> {
-    pub(crate) const fn new() -> Self {
-        Self { edges: Vec::new() }
+    /// Of the points of located lines.
+    pub(super) fn by<'e>(points: impl Iterator<Item = &'e EdgePoint>) -> Self {
+        let mut explained = Self { edges: Vec::new() };
+        points.for_each(|point| explained.add(point));
+        explained
     }
 
-    /// Adds a located line.
-    pub(super) fn add(&mut self, point: &EdgePoint) {
-        let column_q16 = point.column_q16;
-        // A row of a long blur may be wider than the blur itself can be.
-        let reach_q16 = (LEAST_REACH_Q16 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16);
-        let edge = Edge { column_q16, reach_q16, polarity: point.polarity, is_seen: false };
+    fn add(&mut self, point: &EdgePoint) {
+        let EdgePoint { column_q16, polarity, .. } = *point;
+        let edge = Edge { column_q16, reach_q16: reach_q16(point), polarity, is_seen: false };
         // There is room: one per line at most. They come in order but for a few.
         if self.edges.last().is_none_or(|last| last.column_q16 <= column_q16) {
             let _ = self.edges.push(edge);
         } else {
             let _ = self.edges.insert(self.edges.partition_point(|other| other.column_q16 <= column_q16), edge);
-        }
-    }
-
-    /// Adds the flanks of those that stand alone, where lines that have not been located are expected at these columns.
-    pub(super) fn add_flanks(&self, others_q16: &[i32], flanks: &mut Flanks<LINES>) {
-        for edge in &self.edges {
-            let near_q16 = (2 * (edge.reach_q16 + WINDOW_Q16) + SPANS_Q16).unsigned_abs();
-            if others_q16.iter().all(|other_q16| other_q16.abs_diff(edge.column_q16) > near_q16) {
-                // There is room: one per line at most.
-                let _ = flanks.push(edge.flank());
-            }
         }
     }
 

@@ -151,10 +151,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels
     }
 
-    /// Whether it was found in rows of pixels and stands out so little of what is around that it may be one by chance.
-    pub(crate) fn is_by_chance(&self) -> bool {
+    /// Whether it stands out of what is around it by so many times what excludes chance; so does a line of points that
+    /// were handed over.
+    pub(crate) fn stands_out(&self, times: u64) -> bool {
         let rows = self.last.row.abs_diff(self.first.row).saturating_add(1);
-        self.of_pixels && self.prominence.is_by_chance(self.points, rows)
+        !(self.of_pixels && self.prominence.is_by_chance(times, self.points, rows))
     }
 
     /// Whether a pipeline may have made the edge narrower: its levels overshoot, or nobody has seen its pixels.

@@ -20,7 +20,7 @@ mod tracker;
 
 pub use counters::Counters;
 pub(crate) use demand::Demand;
-pub(crate) use explained::{Explained, Flanks, looks_beside};
+pub(crate) use explained::{Flanks, looks_beside};
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};
 pub(crate) use row_clock::RowClock;

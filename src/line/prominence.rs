@@ -26,9 +26,9 @@ pub(super) struct Prominence {
 }
 
 impl Prominence {
-    /// Whether parallel lines in the texture around would show as much contrast once in many frames, for a line with
-    /// `points` in `rows`.
-    pub(super) fn is_by_chance(&self, points: u16, rows: u16) -> bool {
+    /// Whether parallel lines in the texture around would show as much contrast, divided by `times`, once in many
+    /// frames, for a line with `points` in `rows`.
+    pub(super) fn is_by_chance(&self, times: u64, points: u16, rows: u16) -> bool {
         let (points, rows) = (u64::from(points), u64::from(rows));
         let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
         // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma
@@ -46,7 +46,7 @@ impl Prominence {
         // The mean of n rows has √(8/n) of the deviation of one, and longer tails the fewer they are.
         let left_q8 = (mean_q8 * rows).checked_div(rows + TAIL_ROWS).unwrap_or(0);
         let most_square = CHANCE_SIGMAS_Q1 * CHANCE_SIGMAS_Q1 * u64::from(ROWS_ALIKE_IN_TEXTURE) * sigma_q8 * sigma_q8;
-        4 * left_q8 * left_q8 * rows < most_square
+        4 * left_q8 * left_q8 * rows < times * times * most_square
     }
 
     /// Whether both levels overshoot beside the edge.
@@ -178,7 +178,7 @@ mod tests {
     fn an_edge_before_nothing_is_not_by_chance() {
         for rows in [8, 40, 400] {
             let prominence = after(rows, |_| with_step([100; COLUMNS], 12));
-            assert!(!prominence.is_by_chance(rows, rows), "{rows} rows");
+            assert!(!prominence.is_by_chance(1, rows, rows), "{rows} rows");
         }
     }
 
@@ -186,7 +186,7 @@ mod tests {
     fn texture_decides_by_contrast_and_length() {
         for (rows, contrast, is_by_chance) in [(12, 40, true), (60, 12, true), (60, 120, false), (200, 80, false)] {
             let prominence = after(rows, |row| with_step(texture(row, 4, 50), contrast));
-            assert_eq!(prominence.is_by_chance(rows, rows), is_by_chance, "{rows} rows, contrast {contrast}");
+            assert_eq!(prominence.is_by_chance(1, rows, rows), is_by_chance, "{rows} rows, contrast {contrast}");
         }
     }
 
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn a_fence_is_no_texture() {
         let fence = |_| core::array::from_fn(|column| if column / 4 % 2 == 0 { 180 } else { 60 });
-        assert!(!after(60, fence).is_by_chance(60, 60));
+        assert!(!after(60, fence).is_by_chance(1, 60, 60));
     }
 
     #[test]
@@ -207,6 +207,6 @@ mod tests {
     #[test]
     fn gaps_count_against_a_line() {
         let prominence = after(60, |row| with_step(texture(row, 4, 50), 120));
-        assert!(!prominence.is_by_chance(60, 60) && prominence.is_by_chance(60, 150));
+        assert!(!prominence.is_by_chance(1, 60, 60) && prominence.is_by_chance(1, 60, 150));
     }
 }

@@ -6,7 +6,7 @@ use super::association::{Association, Outcome, Pair};
 use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
 use super::demand::Demand;
-use super::explained::{Explained, Flanks};
+use super::explained::{Explained, Flanks, flank, is_alone};
 use super::jump::Jump;
 use super::line::Line;
 use super::stitch::stitch_all;
@@ -72,14 +72,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         jump.is_common().then_some(begun_in)
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what they explain and what the
-    /// scan may leave out. To be called before the row is scanned.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what the scan may leave out. To
+    /// be called before the row is scanned.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
         at: RowTime,
         pixels: PixelRow<'_, P>,
-        explained: &mut Explained<LINES>,
         flanks: &mut Flanks<LINES>,
     ) {
         let mut candidates = Candidates::new();
@@ -94,24 +93,27 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 && let Some(track) = self.table.track_mut(*slot)
                 && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
-                explained.add(track.line.last());
+                // There is room: one for each line.
+                let _ = flanks.push(flank(track.line.last()));
                 located += 1;
             } else {
-                // There is room: one for each line.
                 let _ = others.push(prediction.column_q16);
             }
         }
         self.count_points(located);
-        explained.add_flanks(&others, flanks);
+        if !others.is_empty() {
+            flanks.retain(|flank| is_alone(flank, &others));
+        }
     }
 
-    /// Removes the scanned points that located lines explain. To be called before [`Tracker::row`] takes the others.
-    pub(crate) fn remove_explained<const POINTS: usize>(
-        &mut self,
-        explained: &mut Explained<LINES>,
-        points: &mut Vec<EdgePoint, POINTS>,
-    ) {
-        let strays = explained.remove_from(points);
+    /// Removes the scanned points of a row that located lines explain. To be called before [`Tracker::row`] takes the
+    /// others.
+    pub(crate) fn remove_explained<const POINTS: usize>(&mut self, row: u16, points: &mut Vec<EdgePoint, POINTS>) {
+        if points.is_empty() {
+            return;
+        }
+        let last = self.table.tracks_under_way().map(|track| track.line.last());
+        let strays = Explained::<LINES>::by(last.filter(|point| point.row == row)).remove_from(points);
         self.count_points(strays);
         self.count_stray(strays);
     }

@@ -10,6 +10,7 @@ mod trajectory;
 
 pub(crate) use checked::checked_direction;
 pub use motion::{Motion, Pose};
+pub(crate) use rotation::RotationMatrix;
 pub use sensor_clock::{SensorClock, StampConvention};
 pub use trajectory::{FrameMotion, Trajectory, TrajectoryConfig};
 pub use twist::Twist;

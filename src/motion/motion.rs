@@ -33,23 +33,6 @@ impl<S: Scalar> Pose<S> {
         [dot(x, direction), dot(y, direction), dot(z, direction)]
     }
 
-    /// The camera's z axis in the axes at frame start.
-    pub(crate) fn ahead(&self) -> [S; 3] {
-        let [[.., x], [.., y], [.., z]] = self.rotation;
-        [x, y, z]
-    }
-
-    /// The camera's x axis in the axes at frame start.
-    pub(crate) fn right(&self) -> [S; 3] {
-        self.rotation.map(|[x, ..]| x)
-    }
-
-    /// [`rotate`](Self::rotate) of a direction across the camera's z axis.
-    pub(crate) fn rotate_across(&self, [u, w]: [S; 2]) -> [S; 3] {
-        let [[xx, xy, _], [yx, yy, _], [zx, zy, _]] = self.rotation;
-        [(xx * u).plus_product(xy, w), (yx * u).plus_product(yy, w), (zx * u).plus_product(zy, w)]
-    }
-
     /// Position and attitude after moving on for a time at a velocity and a rotation rate that are constant *in the
     /// camera's axes*: along an arc.
     pub(crate) fn moved(self, velocity_m_s: [S; 3], rate_rad_s: [S; 3], time_s: S) -> Self {
@@ -74,6 +57,12 @@ pub trait Motion<S> {
     /// solver then rotates nothing. `false` is always right.
     fn keeps_attitude(&self) -> bool {
         false
+    }
+
+    /// Velocity in the axes of the frame-start camera and rotation rate in the camera's where both are constant, so that
+    /// a pose follows from the time alone: the solver then asks for fewer poses. `None` is always right.
+    fn constant_rates(&self) -> Option<[[S; 3]; 2]> {
+        None
     }
 
     /// Unit vector "down" in the axes of the frame-start camera; `[0, 1, 0]` for a level one.

@@ -1,6 +1,6 @@
 //! [`Rotation`]: what a constant rotation rate does to directions and to paths.
 
-use crate::scalar::{Scalar, add, cross, dot, scale};
+use crate::scalar::{Arithmetic, Scalar, Whole, add, cross, dot, near_dot, scale};
 
 /// A rotation by a rotation vector φ (axis times angle), with `A = sin φ / φ` and `B = (1 − cos φ) / φ²`.
 pub(super) struct Rotation<S> {
@@ -25,9 +25,15 @@ fn series<S: Scalar>(square: S) -> [S; 3] {
 /// The same of an angle of up to a sixteenth of a radian, as most are within a frame, from the first terms: 1/n! with
 /// every second n.
 #[inline(always)] // so that no constant is divided at run time
-fn short_series<S: Scalar>(square: S, [first, second, third, fourth]: [i32; 4]) -> S {
-    let last = S::ratio(1, third).minus_product(square, S::ratio(1, fourth));
-    S::ratio(1, first).minus_product(square, S::ratio(1, second).minus_product(square, last))
+fn short_series<N: Arithmetic>(square: N, [first, second, third, fourth]: [i32; 4]) -> N {
+    let last = N::ratio(1, third).minus_product(square, N::ratio(1, fourth));
+    N::ratio(1, first).minus_product(square, N::ratio(1, second).minus_product(square, last))
+}
+
+/// A and B, in the same way.
+#[inline(always)]
+fn of_small_angle<N: Arithmetic>(square: N) -> [N; 2] {
+    [short_series(square, [1, 6, 120, 5_040]), short_series(square, [2, 24, 720, 40_320])]
 }
 
 /// Squares of angles below one over this are those of small angles.
@@ -58,7 +64,7 @@ impl<S: Scalar> Rotation<S> {
     pub(super) fn from_vector(vector: [S; 3]) -> Self {
         let square = dot(vector, vector);
         let [a, b] = if square < S::ratio(1, SMALL) {
-            [short_series(square, [1, 6, 120, 5_040]), short_series(square, [2, 24, 720, 40_320])]
+            of_small_angle(Whole(square)).map(|Whole(series)| series)
         } else {
             doubled(square)
         };
@@ -67,7 +73,7 @@ impl<S: Scalar> Rotation<S> {
 
     fn c(&self) -> S {
         if self.square < S::ratio(1, SMALL) {
-            short_series(self.square, [6, 120, 5_040, 362_880])
+            short_series(Whole(self.square), [6, 120, 5_040, 362_880]).0
         } else if self.square > S::ONE {
             (S::ONE - self.a) / self.square
         } else {
@@ -76,20 +82,10 @@ impl<S: Scalar> Rotation<S> {
         }
     }
 
-    /// The rotation matrix, as rows: `I + A [φ]× + B [φ]×²`, with `[φ]×² = φ φᵀ − φ² I`.
-    ///
-    /// *Source*: Rodrigues' formula.
+    /// The rotation matrix, as rows.
     pub(super) fn matrix(&self) -> [[S; 3]; 3] {
-        let [x, y, z] = self.vector;
-        let [ax, ay, az] = scale(self.vector, self.a);
-        let [bx, by, bz] = scale(self.vector, self.b);
-        let (xy, xz, yz) = (bx * y, bx * z, by * z);
-        let (xx, yy, zz) = (bx * x, by * y, bz * z);
-        [
-            [S::ONE - (yy + zz), xy - az, xz + ay],
-            [xy + az, S::ONE - (xx + zz), yz - ax],
-            [xz - ay, yz + ax, S::ONE - (xx + yy)],
-        ]
+        let RotationMatrix(rows) = RotationMatrix::of(self.vector.map(Whole), Whole(self.a), Whole(self.b));
+        rows.map(|row| row.map(|Whole(part)| part))
     }
 
     /// Displacement of a body that covers `path` in its own axes while it makes this rotation, both at constant rates:
@@ -104,5 +100,48 @@ impl<S: Scalar> Rotation<S> {
     fn second_order(&self, v: [S; 3], p: S, q: S) -> [S; 3] {
         let across = cross(self.vector, v);
         add(add(v, scale(across, p)), scale(cross(self.vector, across), q))
+    }
+}
+
+/// A rotation matrix, as rows.
+pub(crate) struct RotationMatrix<N>(pub(crate) [[N; 3]; 3]);
+
+impl<N: Arithmetic> RotationMatrix<N> {
+    /// Of a rotation vector of up to a sixteenth of a radian; `None` of a larger one.
+    pub(crate) fn of_small(vector: [N; 3]) -> Option<Self> {
+        let square = near_dot(vector, vector);
+        let [a, b] = of_small_angle(square);
+        (square < N::ratio(1, SMALL)).then(|| Self::of(vector, a, b))
+    }
+
+    /// `I + A [φ]× + B [φ]×²`, with `[φ]×² = φ φᵀ − φ² I`.
+    ///
+    /// *Source*: Rodrigues' formula.
+    fn of([x, y, z]: [N; 3], a: N, b: N) -> Self {
+        let [ax, ay, az] = [x, y, z].map(|part| part.times(a));
+        let [bx, by, bz] = [x, y, z].map(|part| part.times(b));
+        let (xy, xz, yz) = (bx.times(y), bx.times(z), by.times(z));
+        let (xx, yy, zz) = (bx.times(x), by.times(y), bz.times(z));
+        let one = N::ratio(1, 1);
+        Self([
+            [one - (yy + zz), xy - az, xz + ay],
+            [xy + az, one - (xx + zz), yz - ax],
+            [xz - ay, yz + ax, one - (xx + yy)],
+        ])
+    }
+
+    /// The rotated direction along the x axis.
+    pub(crate) fn right(&self, length: N) -> [N; 3] {
+        self.0.map(|[x, ..]| x.times(length))
+    }
+
+    /// Along the z axis.
+    pub(crate) fn ahead(&self, length: N) -> [N; 3] {
+        self.0.map(|[.., z]| z.times(length))
+    }
+
+    /// Across the z axis.
+    pub(crate) fn across(&self, [u, w]: [N; 2]) -> [N; 3] {
+        self.0.map(|[x, y, _]| x.times(u).plus_product(y, w))
     }
 }

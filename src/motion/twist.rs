@@ -77,6 +77,10 @@ impl<S: Scalar> Motion<S> for Twist<S> {
         self.rate_rad_s.into_iter().all(|rate| rate == S::ZERO)
     }
 
+    fn constant_rates(&self) -> Option<[[S; 3]; 2]> {
+        Some([self.velocity_m_s, self.rate_rad_s])
+    }
+
     fn gravity(&self) -> [S; 3] {
         self.gravity
     }

@@ -17,7 +17,7 @@ use crate::setup::Setup;
 ///
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
-pub(crate) struct BlurMeasurement<S> {
+pub(crate) struct BlurMeasurement<S: Scalar> {
     /// In two places of the line, what its ray at the start of the exposure differs by from that at the end.
     sweeps: [Normals<S>; 2],
     /// Mean variance of the blurred edge.

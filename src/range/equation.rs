@@ -2,15 +2,27 @@
 
 use heapless::Vec;
 
-use crate::scalar::Scalar;
+use crate::scalar::{Near, Scalar};
 
-/// One linearised observation `y = one δa + q δρ + w δβ`, each divided by the sigma of y.
+/// One linearised observation `y = one δa + q δρ + w δβ`, each divided by the sigma of y; of numbers near one in
+/// [`EquationUnits`].
 #[derive(Clone, Copy)]
 pub(crate) struct Equation<S> {
     pub(crate) one: S,
     pub(crate) q: S,
     pub(crate) w: S,
     pub(crate) y: S,
+}
+
+/// Exponents of the powers of two that the numbers of an equation are in units of.
+#[derive(Clone, Copy)]
+pub(crate) struct EquationUnits {
+    /// Of all but y.
+    pub(super) scale: i32,
+    /// Of y, less that.
+    pub(super) finer: i32,
+    /// Of the inverse of δρ, besides.
+    pub(super) reach: i32,
 }
 
 impl<S: Scalar> Equation<S> {
@@ -24,9 +36,52 @@ impl<S: Scalar> Equation<S> {
     }
 }
 
+impl EquationUnits {
+    /// Smaller than any others.
+    pub(super) const SMALLEST: Self = Self { scale: i32::MIN, finer: 64, reach: 0 };
+
+    pub(super) fn y(&self) -> i32 {
+        self.scale.saturating_sub(self.finer)
+    }
+}
+
+impl<N: Near> Equation<N> {
+    /// One that says nothing.
+    pub(super) const NEAR_NOTHING: Self = Self { one: N::ZERO, q: N::ZERO, w: N::ZERO, y: N::ZERO };
+
+    /// The same with another sigma.
+    #[must_use]
+    pub(super) fn near_scaled(&self, by: N::Factor) -> Self {
+        Self { one: self.one.scaled(by), q: self.q.scaled(by), w: self.w.scaled(by), y: self.y.scaled(by) }
+    }
+
+    /// To units that are no smaller.
+    fn change_units(&mut self, from: EquationUnits, to: EquationUnits) {
+        let larger = to.scale.saturating_sub(from.scale);
+        if larger > 0 {
+            for part in [&mut self.one, &mut self.q, &mut self.w] {
+                *part = part.over_power_of_two(larger);
+            }
+        }
+        let coarser = larger.saturating_add(from.finer - to.finer);
+        if coarser > 0 {
+            self.y = self.y.over_power_of_two(coarser);
+        }
+    }
+
+    /// In units of one.
+    pub(super) fn whole<S: Scalar<Near = N>>(&self, units: EquationUnits) -> Equation<S> {
+        let [one, w] = [self.one, self.w].map(|part| S::of_near(part, units.scale));
+        let (q, y) = ((self.q, units.scale.saturating_add(units.reach)), (self.y, units.y()));
+        Equation { one, q: S::of_near(q.0, q.1), w, y: S::of_near(y.0, y.1) }
+    }
+}
+
 /// All equations of a round.
-pub(crate) struct Equations<S, const N: usize> {
-    pub(crate) observed: Vec<Equation<S>, N>,
+pub(crate) struct Equations<S: Scalar, const N: usize> {
+    pub(crate) observed: Vec<Equation<S::Near>, N>,
+    /// Those of what is observed.
+    pub(super) units: EquationUnits,
     pub(crate) prior: Vec<Equation<S>, MOST_PRIORS>,
     /// Whether there is a prior for the tilt; without one it is zero, not free.
     pub(super) has_tilt: bool,
@@ -39,22 +94,34 @@ pub(crate) const MOST_PRIORS: usize = 4;
 
 impl<S: Scalar, const N: usize> Equations<S, N> {
     pub(crate) fn new() -> Self {
-        Self { observed: Vec::new(), prior: Vec::new(), has_tilt: false, centre: [S::ZERO; 3] }
+        let units = EquationUnits::SMALLEST;
+        Self { observed: Vec::new(), units, prior: Vec::new(), has_tilt: false, centre: [S::ZERO; 3] }
     }
 
-    pub(crate) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self, reach: i32) {
         self.observed.clear();
         self.prior.clear();
+        self.units = EquationUnits { reach, ..EquationUnits::SMALLEST };
         self.has_tilt = false;
         self.centre = [S::ZERO; 3];
     }
 
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Equation<S>> {
-        self.observed.iter().chain(&self.prior)
-    }
-
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Equation<S>> {
-        self.observed.iter_mut().chain(&mut self.prior)
+    /// One with units of its own: the largest become those of all.
+    pub(super) fn push_observed(&mut self, mut equation: Equation<S::Near>, own: EquationUnits) {
+        if S::Near::IS_WIDE {
+            let _ = self.observed.push(equation);
+            return;
+        }
+        let before = self.units;
+        let [scale, finer] = [before.scale.max(own.scale), before.finer.min(own.finer)];
+        let common = EquationUnits { scale, finer, ..before };
+        if scale > before.scale || finer < before.finer {
+            self.observed.iter_mut().for_each(|equation| equation.change_units(before, common));
+            self.units = common;
+        }
+        equation.change_units(own, common);
+        // There is room: as many as observations.
+        let _ = self.observed.push(equation);
     }
 
     pub(super) fn push_prior(&mut self, equation: Equation<S>) {

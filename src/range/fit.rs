@@ -147,7 +147,15 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
             self.stretches.push(stretch).map_err(|_| FitError::TooManySamples)?;
         }
+        self.share_reach();
         Ok(())
+    }
+
+    /// Positions in the unit of the farthest.
+    fn share_reach(&mut self) {
+        let reach = self.observations.iter().map(|seen| seen.normals.units.reach()).max().unwrap_or(0);
+        let others = self.observations.iter_mut().filter(|seen| seen.normals.units.reach() != reach);
+        others.for_each(|seen| seen.normals = seen.normals.with_reach(reach));
     }
 
     /// The problem is linear but for tilt, blur, sigmas and the noise in q, which the first round leaves out.
@@ -171,7 +179,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         for ((observation, equation), stretch) in observed.zip(&self.stretches) {
             let sigma_px = wander.sigma_px(stretch);
             let per_sigma = over(sigma_px);
-            *equation = equation.scaled(per_sigma * observation.sigma_px);
+            *equation = equation.near_scaled((per_sigma * observation.sigma_px).factor(0));
             (observation.sigma_px, observation.per_sigma) = (sigma_px, per_sigma);
         }
         self.settle_again()
@@ -185,14 +193,11 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         }
         let mut residuals: Vec<_, N> = Vec::new();
         let equations = self.equations.observed.iter();
+        let near = self.last.solution.near(self.equations.units);
         for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {
             if observation.is_inlier {
                 // There is room: as many as observations.
-                let _ = residuals.push(Residual::new(
-                    stretch,
-                    observation.per_sigma,
-                    self.last.solution.deviation(equation),
-                ));
+                let _ = residuals.push(Residual::new(stretch, observation.per_sigma, near.deviation(equation)));
             }
         }
         let uncertainty = self.setup.uncertainty();
@@ -223,9 +228,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     #[inline(never)]
     fn goodness_of_fit(&self) -> GoodnessOfFit<S> {
+        let near = self.last.solution.near(self.equations.units);
         let kept = self.equations.observed.iter().zip(&self.observations);
         GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {
-            let residual_px = self.last.solution.deviation(equation) * observation.sigma_px;
+            let residual_px = near.deviation::<S>(equation) * observation.sigma_px;
             (residual_px, observation.sigma_px)
         }))
     }

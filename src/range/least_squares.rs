@@ -1,8 +1,8 @@
 //! One round of weighted least squares, by orthogonalisation, over observations and priors. docs/model.md, section 3.
 
 use super::covariance::Covariance;
-use super::equation::{Equation, Equations};
-use crate::scalar::{Scalar, over};
+use super::equation::{Equation, EquationUnits, Equations};
+use crate::scalar::{Near, Scalar, over};
 
 /// What a round finds.
 #[derive(Clone, Copy)]
@@ -31,16 +31,31 @@ pub(crate) struct Solution<S> {
 pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> Solution<S> {
     let weight = centre(equations);
     let [mean_q, mean_w, mean_y] = equations.centre;
-    let (mut qq, mut qw, mut qy) = (S::ZERO, S::ZERO, S::ZERO);
-    for Equation { q, w, y, .. } in equations.iter() {
+    let EquationUnits { scale, reach, finer } = equations.units;
+    let (twice, of_qy) = (scale.saturating_add(scale), reach.saturating_sub(finer));
+    let ([of_qq, of_qw], none) = ([reach.saturating_add(reach), reach], S::Near::NO_SUM);
+    let (mut qq, mut qw, mut qy) = (none, none, none);
+    for Equation { q, w, y, .. } in &equations.observed {
+        (qq, qw, qy) = (S::Near::sum_and(qq, *q, *q), S::Near::sum_and(qw, *q, *w), S::Near::sum_and(qy, *q, *y));
+    }
+    let whole = |sum, exponent: i32| S::of_sum(sum, twice.saturating_add(exponent));
+    let (mut qq, mut qw, mut qy) = (whole(qq, of_qq), whole(qw, of_qw), whole(qy, of_qy));
+    for Equation { q, w, y, .. } in &equations.prior {
         (qq, qw, qy) = (qq.plus_product(*q, *q), qw.plus_product(*q, *w), qy.plus_product(*q, *y));
     }
     let per_qq = over(qq);
     let (c, rho) = (qw * per_qq, qy * per_qq);
     let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, rho, inverse_depth: rho, ..Solution::NOTHING };
     if equations.has_tilt {
-        let (mut ww, mut wy) = (S::ZERO, S::ZERO);
-        for equation in equations.iter() {
+        let near = solution.near(equations.units);
+        let (mut ww, mut wy) = (none, none);
+        for equation in &equations.observed {
+            let across = near.across(equation);
+            let off = equation.y.minus_scaled(equation.q, near.rho);
+            (ww, wy) = (S::Near::sum_and(ww, across, across), S::Near::sum_and(wy, across, off));
+        }
+        let (mut ww, mut wy) = (whole(ww, 0), whole(wy, -finer));
+        for equation in &equations.prior {
             let across = solution.across(equation);
             let off = equation.y.minus_product(rho, equation.q);
             (ww, wy) = (ww.plus_product(across, across), wy.plus_product(across, off));
@@ -53,15 +68,32 @@ pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) 
 
 /// Subtracts from q, w and y their weighted means; the sum of all weights.
 fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
-    let (mut weight, mut q, mut w, mut y) = (S::ZERO, S::ZERO, S::ZERO, S::ZERO);
-    for equation in equations.iter() {
+    let EquationUnits { scale, reach, finer } = equations.units;
+    let twice = scale.saturating_add(scale);
+    let none = S::Near::NO_SUM;
+    let (mut weight, mut q, mut w, mut y) = (none, none, none, none);
+    for equation in &equations.observed {
+        let one = equation.one;
+        (weight, q) = (S::Near::sum_and(weight, one, one), S::Near::sum_and(q, one, equation.q));
+        (w, y) = (S::Near::sum_and(w, one, equation.w), S::Near::sum_and(y, one, equation.y));
+    }
+    let whole = |sum, exponent: i32| S::of_sum(sum, twice.saturating_add(exponent));
+    let (mut weight, mut q) = (whole(weight, 0), whole(q, reach));
+    let (mut w, mut y) = (whole(w, 0), whole(y, -finer));
+    for equation in &equations.prior {
         let one = equation.one;
         (weight, q) = (weight.plus_product(one, one), q.plus_product(one, equation.q));
         (w, y) = (w.plus_product(one, equation.w), y.plus_product(one, equation.y));
     }
     let per_weight = over(weight);
     let (q, w, y) = (q * per_weight, w * per_weight, y * per_weight);
-    for equation in equations.iter_mut() {
+    let (near_q, near_w, near_y) = (q.factor(reach), w.factor(0), y.factor(-finer));
+    for equation in &mut equations.observed {
+        let one = equation.one;
+        (equation.q, equation.w) = (equation.q.minus_scaled(one, near_q), equation.w.minus_scaled(one, near_w));
+        equation.y = equation.y.minus_scaled(one, near_y);
+    }
+    for equation in &mut equations.prior {
         let one = equation.one;
         (equation.q, equation.w) = (equation.q.minus_product(one, q), equation.w.minus_product(one, w));
         equation.y = equation.y.minus_product(one, y);
@@ -115,7 +147,27 @@ impl<S: Scalar> Solution<S> {
 
     /// Sum of the squares of all deviations, those from the priors included.
     pub(crate) fn cost<const N: usize>(&self, equations: &Equations<S, N>) -> S {
-        equations.iter().map(|equation| self.deviation(equation)).fold(S::ZERO, |sum, off| sum.plus_product(off, off))
+        let (near, unit) = (self.near(equations.units), equations.units.y());
+        let observed = equations.observed.iter().map(|equation| near.near_deviation(equation));
+        let observed = observed.fold(S::Near::NO_SUM, |sum, off| S::Near::sum_and(sum, off, off));
+        let prior = equations.prior.iter().map(|equation| self.deviation(equation));
+        prior.fold(S::of_sum(observed, unit.saturating_add(unit)), |sum, off| sum.plus_product(off, off))
+    }
+
+    /// For equations of what is observed.
+    pub(super) fn near(&self, units: EquationUnits) -> NearSolution<S::Near> {
+        let EquationUnits { reach, finer, .. } = units;
+        let per_reach = reach.saturating_neg();
+        let of_y = per_reach.saturating_sub(finer);
+        NearSolution {
+            mean_q: self.mean_q.factor(reach),
+            mean_w: self.mean_w.factor(0),
+            c: self.c.factor(per_reach),
+            rho: self.rho.factor(of_y),
+            beta: self.beta.factor(-finer),
+            inverse_depth: self.inverse_depth.factor(of_y),
+            unit_of_y: units.y(),
+        }
     }
 
     /// The q and the w of an equation before it was centred.
@@ -159,6 +211,39 @@ impl<S: Scalar> Solution<S> {
     }
 }
 
+/// A [`Solution`] for equations of numbers near one.
+pub(super) struct NearSolution<N: Near> {
+    mean_q: N::Factor,
+    mean_w: N::Factor,
+    c: N::Factor,
+    rho: N::Factor,
+    beta: N::Factor,
+    inverse_depth: N::Factor,
+    unit_of_y: i32,
+}
+
+impl<N: Near> NearSolution<N> {
+    fn across(&self, equation: &Equation<N>) -> N {
+        equation.w.minus_scaled(equation.q, self.c)
+    }
+
+    /// As [`Solution::deviation`], in the unit of the equation's y.
+    pub(super) fn near_deviation(&self, equation: &Equation<N>) -> N {
+        equation.y.minus_scaled(equation.q, self.inverse_depth).minus_scaled(equation.w, self.beta)
+    }
+
+    /// As [`Solution::deviation`].
+    pub(super) fn deviation<S: Scalar<Near = N>>(&self, equation: &Equation<N>) -> S {
+        S::of_near(self.near_deviation(equation), self.unit_of_y)
+    }
+
+    /// As [`Solution::uncentred`].
+    pub(super) fn uncentred(&self, equation: &Equation<N>) -> [N; 2] {
+        let Equation { one, q, w, .. } = *equation;
+        [q.minus_scaled(-one, self.mean_q), w.minus_scaled(-one, self.mean_w)]
+    }
+}
+
 /// How small errors of y, one for each equation, move the unknowns: sums over the equations.
 #[derive(Clone, Copy)]
 pub(crate) struct Response<S> {
@@ -169,6 +254,12 @@ pub(crate) struct Response<S> {
 
 impl<S: Scalar> Response<S> {
     pub(crate) const NONE: Self = Self { mean: S::ZERO, along: S::ZERO, across: S::ZERO };
+
+    /// Of errors of y that are a factor on q, as it was before it was centred, in all equations: these are orthogonal.
+    pub(crate) fn of_q(solution: &Solution<S>, factor: S) -> Self {
+        let mean = factor * solution.mean_q * solution.weight;
+        Self { mean, along: factor * solution.qq, across: S::ZERO }
+    }
 
     /// Adds an error of y of an equation, in its sigma.
     pub(crate) fn add(&mut self, solution: &Solution<S>, equation: &Equation<S>, error: S) {

@@ -1,56 +1,112 @@
 //! [`Observation`]: a sample as a ray in the axes of the frame-start camera. docs/model.md, section 3.
 
 use super::sample::Sample;
-use crate::motion::Motion;
-use crate::scalar::{Scalar, add, cross, dot, over, scale};
-use crate::setup::{Camera, LensPoint, RaySpan};
+use crate::motion::{Motion, RotationMatrix};
+use crate::scalar::{Arithmetic, Near, Scalar, near_add, near_cross, near_dot, over, scale, size_of_all};
+use crate::setup::{Camera, RaySpan, RaySpans};
 
 /// A normal `n` of the plane through a ray and a direction, as far as a line through the plane y = 0 needs it.
 #[derive(Clone, Copy)]
-pub(crate) struct Normal<S> {
-    pub(crate) x: S,
-    pub(crate) z: S,
+pub(crate) struct Normal<N> {
+    pub(crate) x: N,
+    pub(crate) z: N,
     /// n · p, with p where the ray starts.
-    pub(crate) moved: S,
+    pub(crate) moved: N,
 }
 
-impl<S: Scalar> Normal<S> {
-    fn of(ray: [S; 3], direction: [S; 3], position: [S; 3]) -> Self {
-        let normal = cross(ray, direction);
+impl<N: Near> Normal<N> {
+    fn of(ray: [N; 3], direction: [N; 3], position: [N; 3]) -> Self {
+        let normal = near_cross(ray, direction);
         let [x, _, z] = normal;
-        Self { x, z, moved: dot(normal, position) }
+        Self { x, z, moved: near_dot(normal, position) }
     }
 
     /// Of a direction in the image plane.
-    fn of_flat([x, y, z]: [S; 3], [ex, ey, _]: [S; 3], position: [S; 3]) -> Self {
-        let normal = [-(z * ey), z * ex, (x * ey).minus_product(y, ex)];
+    fn of_flat([x, y, z]: [N; 3], [ex, ey, _]: [N; 3], position: [N; 3]) -> Self {
+        let normal = [-z.times(ey), z.times(ex), x.times(ey).minus_product(y, ex)];
         let [x, _, z] = normal;
-        Self { x, z, moved: dot(normal, position) }
+        Self { x, z, moved: near_dot(normal, position) }
     }
 
     fn less(&self, other: &Self) -> Self {
         Self { x: self.x - other.x, z: self.z - other.z, moved: self.moved - other.moved }
     }
+
+    fn with_reach(self, more: i32) -> Self {
+        Self { moved: self.moved.over_power_of_two(more), ..self }
+    }
 }
 
-/// A ray against the two directions that an edge is made of.
+/// A ray against the two directions that an edge is made of. In size their numbers are at most √3.
 #[derive(Clone, Copy)]
-pub(crate) struct Normals<S> {
+pub(crate) struct Normals<S: Scalar> {
     /// d × g: m of an upright edge.
-    pub(crate) down: Normal<S>,
+    pub(crate) down: Normal<S::Near>,
     /// d × e: what a unit of tilt adds.
-    pub(crate) lean: Normal<S>,
+    pub(crate) lean: Normal<S::Near>,
     /// Their changes by a pixel along the row.
-    pub(crate) down_per_px: Normal<S>,
-    pub(crate) lean_per_px: Normal<S>,
+    pub(crate) down_per_px: Normal<S::Near>,
+    pub(crate) lean_per_px: Normal<S::Near>,
+    pub(crate) units: Units,
+}
+
+/// Exponents of the powers of two that [`Normals`] are in units of.
+// Bytes: there is one of them for each knot.
+#[derive(Clone, Copy)]
+pub(crate) struct Units {
+    ray: i8,
+    per_px: i8,
+    reach: i8,
+}
+
+impl Units {
+    fn new<N: Near>(ray: i32, per_px: i32, reach: i32) -> Self {
+        if N::IS_WIDE {
+            return Self { ray: 0, per_px: 0, reach: 0 };
+        }
+        // Only that of nothing is beyond.
+        let [ray, per_px, reach] = [ray, per_px, reach].map(|exponent| exponent.clamp(-127, 127) as i8);
+        Self { ray, per_px, reach }
+    }
+
+    /// Of all.
+    pub(super) fn ray(self) -> i32 {
+        self.ray.into()
+    }
+
+    /// Of a pixel along the row.
+    pub(super) fn per_px(self) -> i32 {
+        self.per_px.into()
+    }
+
+    /// Of the position, in metres.
+    pub(super) fn reach(self) -> i32 {
+        self.reach.into()
+    }
+}
+
+impl<S: Scalar> Normals<S> {
+    /// With a unit of the position that is no smaller.
+    pub(super) fn with_reach(&self, reach: i32) -> Self {
+        let more = reach - self.units.reach();
+        let [down, lean, down_per_px, lean_per_px] =
+            [self.down, self.lean, self.down_per_px, self.lean_per_px].map(|normal| normal.with_reach(more));
+        Self {
+            down,
+            lean,
+            down_per_px,
+            lean_per_px,
+            units: Units::new::<S::Near>(self.units.ray(), self.units.per_px(), reach),
+        }
+    }
 }
 
 /// A sample as a ray, and its noise.
 #[derive(Clone, Copy)]
-pub(crate) struct Observation<S> {
+pub(crate) struct Observation<S: Scalar> {
     pub(crate) normals: Normals<S>,
-    /// Bearings to the right and downwards in the camera's axes at that time.
-    pub(crate) bearings: [S; 2],
+    /// Bearings to the right and downwards in the camera's axes at that time, in the unit of the ray.
+    pub(super) near_bearings: [S::Near; 2],
     pub(crate) time_s: S,
     pub(crate) sigma_px: S,
     pub(crate) per_sigma: S,
@@ -60,50 +116,51 @@ pub(crate) struct Observation<S> {
 
 /// Directions of the rays at the ends of a span, as their mean and half their difference, the middle position and half
 /// the difference of the positions at the ends.
-struct Rays<S> {
-    direction: [S; 3],
-    half: [S; 3],
-    along_row: [S; 3],
-    position: [S; 3],
-    half_position: [S; 3],
+struct Rays<N> {
+    direction: [N; 3],
+    half: [N; 3],
+    along_row: [N; 3],
+    position: [N; 3],
+    half_position: [N; 3],
+    units: Units,
 }
 
 /// From sample to observation, one after the other along a line.
-pub(crate) struct Observer<'a, S, M> {
-    camera: &'a Camera<S>,
+pub(crate) struct Observer<'a, S: Scalar, M> {
+    spans: RaySpans<'a, S>,
     motion: &'a M,
     /// Those of the line that the observations are held against.
-    gravity: [S; 3],
-    lean: [S; 3],
-    /// Whether the camera does not turn.
-    is_steady: bool,
-    /// Where the lens has seen the last sample.
-    last: Option<LensPoint<S>>,
+    gravity: [S::Near; 3],
+    lean: [S::Near; 3],
+    /// What the motion is, where that is constant.
+    steady: Option<ConstantRates<S::Near>>,
 }
 
 impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
-    pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, [gravity, lean]: [[S; 3]; 2]) -> Self {
-        Self { camera, motion, gravity, lean, is_steady: motion.keeps_attitude(), last: None }
+    pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, directions: [[S; 3]; 2]) -> Self {
+        // Unit vectors.
+        let [gravity, lean] = directions.map(|direction| direction.map(|component| component.near(0)));
+        let steady = motion.constant_rates().map(ConstantRates::new);
+        Self { spans: RaySpans::new(camera), motion, gravity, lean, steady }
     }
 
     /// `None` where the lens model has no ray.
     pub(crate) fn observe(&mut self, sample: &Sample<S>) -> Option<Observation<S>> {
         let spread = &sample.spread;
         let (at, half) = ([sample.column_px, sample.row_px], [spread.column_px, spread.row_px]);
-        let span = self.camera.rays(at, half, &mut self.last)?;
+        let span = self.spans.span(at, half)?;
         let rays = self.rays(&span, sample.time_s, spread.time_s);
-        let Rays { direction, along_row, position, .. } = rays;
-        let [mut down, lean] = self.normals(direction, position);
-        let [down_per_px, lean_per_px] = self.normals(along_row, position);
+        let mut normals = self.normals(&rays);
         // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and
         // that of a product the product of the means and this. What it would add to the lean is the product of two
         // small numbers.
-        down.moved = down.moved + dot(cross(rays.half, self.gravity), rays.half_position);
+        let bow = near_dot(near_cross(rays.half, self.gravity), rays.half_position);
+        normals.down.moved = normals.down.moved + bow;
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
         Some(Observation {
-            normals: Normals { down, lean, down_per_px, lean_per_px },
-            bearings: span.middle,
+            normals,
+            near_bearings: span.middle,
             time_s: sample.time_s,
             sigma_px,
             per_sigma: over(sigma_px),
@@ -113,52 +170,121 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
 
     /// What the ray of a point at the start of a time differs by from that at its end.
     pub(super) fn sweep(&mut self, point: &Sample<S>, half_s: S) -> Option<Normals<S>> {
-        let span = self.camera.rays([point.column_px, point.row_px], [S::ZERO; 2], &mut self.last)?;
-        let [start, end] = [-half_s, half_s].map(|off_s| self.rays(&span, point.time_s + off_s, S::ZERO));
-        let [down, lean] = self.normals(start.direction, start.position);
-        let [down_later, lean_later] = self.normals(end.direction, end.position);
-        let [down_per_px, lean_per_px] = self.normals(start.along_row, start.position);
-        Some(Normals { down: down.less(&down_later), lean: lean.less(&lean_later), down_per_px, lean_per_px })
+        let span = self.spans.span([point.column_px, point.row_px], [S::ZERO; 2])?;
+        let [start, end] =
+            [-half_s, half_s].map(|off_s| self.normals(&self.rays(&span, point.time_s + off_s, S::ZERO)));
+        let reach = start.units.reach().max(end.units.reach());
+        let [start, end] = [start, end].map(|normals| normals.with_reach(reach));
+        Some(Normals { down: start.down.less(&end.down), lean: start.lean.less(&end.lean), ..start })
     }
 
     /// Those through a ray and the two directions that an edge is made of.
-    fn normals(&self, ray: [S; 3], position: [S; 3]) -> [Normal<S>; 2] {
-        [Normal::of(ray, self.gravity, position), Normal::of_flat(ray, self.lean, position)]
+    fn normals(&self, rays: &Rays<S::Near>) -> Normals<S> {
+        let Rays { direction, along_row, position, units, .. } = *rays;
+        let down = |ray| Normal::of(ray, self.gravity, position);
+        let lean = |ray| Normal::of_flat(ray, self.lean, position);
+        Normals {
+            down: down(direction),
+            lean: lean(direction),
+            down_per_px: down(along_row),
+            lean_per_px: lean(along_row),
+            units,
+        }
     }
 
     /// The rays in the axes of frame start, where they look and where from.
-    fn rays(&self, span: &RaySpan<S>, time_s: S, half_s: S) -> Rays<S> {
+    #[inline(never)]
+    fn rays(&self, span: &RaySpan<S::Near>, time_s: S, half_s: S) -> Rays<S::Near> {
+        let &RaySpan { middle: [u, w], half: [half_u, half_w], along_row: [du, dw], ray, along } = span;
+        let passage = self.passage(time_s, half_s);
+        let Passage { position, half_position, angle, reach, .. } = passage;
+        let units = Units::new::<S::Near>(ray, along - ray, reach);
+        let (one, none) = (S::Near::ratio(1, 1).over_power_of_two(ray), S::Near::ZERO);
+        let Some(rotation) = passage.rotation else {
+            let (direction, half, along_row) = ([u, w, one], [half_u, half_w, none], [du, dw, none]);
+            return Rays { direction, half, along_row, position, half_position, units };
+        };
+        let (ahead, across) = (rotation.ahead(one), rotation.across([u, w]));
+        let is_straight = dw == none;
+        let along_row = if is_straight { rotation.right(du) } else { rotation.across([du, dw]) };
+        if half_s == S::ZERO {
+            let direction = near_add(ahead, across);
+            return Rays { direction, half: [none; 3], along_row, position, half_position, units };
+        }
+        let half = rotation.across([half_u, half_w]);
+        // By half of the span the camera turns on: exp(±θ) (d ± h), to the second order.
+        let turned = near_cross(angle, near_add(ahead, across));
+        // The smallest first: single precision has no digit to spare.
+        let turned_twice = near_cross(angle, near_add(half, turned.map(Arithmetic::half)));
+        let direction = near_add(ahead, near_add(across, turned_twice));
+        Rays { direction, half: near_add(half, turned), along_row, position, half_position, units }
+    }
+
+    /// Where the camera is at a time, and what it does in `half_s`.
+    fn passage(&self, time_s: S, half_s: S) -> Passage<S::Near> {
+        if let Some(passage) = self.steady.as_ref().and_then(|rates| rates.passage::<S>(time_s, half_s)) {
+            return passage;
+        }
         let pose = self.motion.pose(time_s);
         let (position, half_position) = (pose.position_m, scale(pose.velocity_m_s, half_s));
-        let ([u, w], [half_u, half_w], [du, dw]) = (span.middle, span.half, span.along_row);
-        if self.is_steady {
-            let (direction, half, along_row) = ([u, w, S::ONE], [half_u, half_w, S::ZERO], [du, dw, S::ZERO]);
-            return Rays { direction, half, along_row, position, half_position };
-        }
-        let across = pose.rotate_across(span.middle);
-        let is_straight = dw == S::ZERO;
-        let along_row = if is_straight { scale(pose.right(), du) } else { pose.rotate_across([du, dw]) };
-        if half_s == S::ZERO {
-            return Rays {
-                direction: add(pose.ahead(), across),
-                half: [S::ZERO; 3],
-                along_row,
-                position,
-                half_position,
-            };
-        }
-        let half = pose.rotate_across(span.half);
-        // By half of the span the camera turns on: exp(±θ) (d ± h), to the second order.
-        let turn = scale(pose.rate_rad_s, half_s);
-        let turned = cross(turn, add(pose.ahead(), across));
-        // The smallest first: single precision has no digit to spare.
-        let turned_twice = cross(turn, add(half, turned.map(S::half)));
-        let direction = add(pose.ahead(), add(across, turned_twice));
-        Rays { direction, half: add(half, turned), along_row, position, half_position }
+        let reach = size_of_all(position).max(size_of_all(half_position)) + 1;
+        let [position, half_position] = [position, half_position].map(|path| path.map(|part| part.near(reach)));
+        let angle = scale(pose.rate_rad_s, half_s).map(|part| part.near(0));
+        let rotation = RotationMatrix(pose.rotation.map(|row| row.map(|part| part.near(0))));
+        let rotation = (!self.motion.keeps_attitude()).then_some(rotation);
+        Passage { position, half_position, rotation, angle, reach }
+    }
+}
+
+/// Where a camera is, and by how much it goes on within half a span.
+struct Passage<N> {
+    position: [N; 3],
+    half_position: [N; 3],
+    /// `None` where it keeps its attitude.
+    rotation: Option<RotationMatrix<N>>,
+    angle: [N; 3],
+    reach: i32,
+}
+
+/// Constant velocity and rotation rate, near one, with the exponents of their units.
+struct ConstantRates<N> {
+    velocity: [N; 3],
+    speed: i32,
+    /// `None` where the camera keeps its attitude.
+    rate: Option<[N; 3]>,
+    turn: i32,
+}
+
+impl<N: Near> ConstantRates<N> {
+    fn new<S: Scalar<Near = N>>([velocity, rate]: [[S; 3]; 2]) -> Self {
+        let (speed, turn) = (size_of_all(velocity) + 1, size_of_all(rate));
+        let keeps_attitude = rate == [S::ZERO; 3];
+        let rate = (!keeps_attitude).then(|| rate.map(|part| part.near(turn)));
+        Self { velocity: velocity.map(|part| part.near(speed)), speed, rate, turn }
+    }
+
+    /// `None` where the camera has turned by more than a small angle.
+    fn passage<S: Scalar<Near = N>>(&self, time_s: S, half_s: S) -> Option<Passage<N>> {
+        let unit = size_of_all([time_s, half_s]);
+        let (time, half) = (time_s.near(unit), half_s.near(unit));
+        let over = -(self.turn + unit);
+        let turned = |rate: [N; 3], time: N| rate.map(|part| part.times(time).over_power_of_two(over));
+        let (rotation, angle) = match self.rate {
+            None => (None, [N::ZERO; 3]),
+            Some(rate) if over >= 0 => (Some(RotationMatrix::of_small(turned(rate, time))?), turned(rate, half)),
+            Some(_) => return None,
+        };
+        let [position, half_position] = [time, half].map(|time| self.velocity.map(|part| part.times(time)));
+        Some(Passage { position, half_position, rotation, angle, reach: self.speed + unit })
     }
 }
 
 impl<S: Scalar> Observation<S> {
+    /// Bearings to the right and downwards in the camera's axes at that time.
+    pub(super) fn bearings(&self) -> [S; 2] {
+        self.near_bearings.map(|part| S::of_near(part, self.normals.units.ray()))
+    }
+
     pub(super) fn with_sigma(self, sigma_px: S) -> Self {
         Self { sigma_px, per_sigma: over(sigma_px), ..self }
     }
@@ -174,7 +300,7 @@ pub(crate) struct RowPlane<S> {
 impl<S: Scalar> RowPlane<S> {
     pub(crate) fn new<M: Motion<S>>(motion: &M, observation: &Observation<S>) -> Self {
         let pose = motion.pose(observation.time_s);
-        let [u, w] = observation.bearings;
+        let [u, w] = observation.bearings();
         let ([_, dy, dz], [_, y, z]) = (pose.rotate([u, w, S::ONE]), pose.position_m);
         Self { slope: dy / dz, y, z }
     }

@@ -62,12 +62,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
     fn deviations(&self, solution: &Solution<S>, scales: &[S]) -> Vec<S, N> {
+        let near = solution.near(self.equations.units);
         let scales = scales.iter().copied().chain(core::iter::repeat(S::ONE));
         let mut sizes = Vec::new();
         for ((equation, observation), scale) in self.equations.observed.iter().zip(&self.observations).zip(scales) {
             if observation.is_inlier {
                 // There is room: as many as observations.
-                let _ = sizes.push(solution.deviation(equation).abs() * scale);
+                let _ = sizes.push(near.deviation::<S>(equation).abs() * scale);
             }
         }
         sizes
@@ -106,12 +107,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let least_change = S::ratio(1, REWEIGHTED_PART);
         for _ in 0..REWEIGHTING_ROUNDS {
             let mut most_change = S::ZERO;
+            let near = solution.near(self.equations.units);
             for (equation, scale) in self.equations.observed.iter_mut().zip(&mut scales) {
-                let deviation = solution.deviation(equation).abs() * *scale;
+                let deviation = near.deviation::<S>(equation).abs() * *scale;
                 let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
                 let factor = *scale / next;
                 most_change = most_change.max((factor - S::ONE).abs());
-                *equation = equation.scaled(factor);
+                *equation = equation.near_scaled(factor.factor(0));
                 *scale = next;
             }
             solution = solve(&mut self.equations);

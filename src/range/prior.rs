@@ -10,7 +10,7 @@ use crate::setup::Setup;
 
 /// Earlier frames, or an upright edge, and the blur: each becomes an equation of the same least squares.
 #[derive(Clone, Copy)]
-pub(crate) struct Prior<'a, S> {
+pub(crate) struct Prior<'a, S: Scalar> {
     /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
     pub(super) state: Option<(&'a LineState<S>, [Statement<S>; 3])>,
     pub(super) blur: Option<&'a BlurMeasurement<S>>,

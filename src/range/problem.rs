@@ -2,22 +2,21 @@
 
 use heapless::Vec;
 
-use super::equation::{Equation, Equations};
+use super::equation::{Equation, EquationUnits, Equations};
 use super::least_squares::{Solution, solve};
 use super::observation::Observation;
 use super::prior::Prior;
 use super::tuning::{
-    FULL_ROUNDS, LEAST_CROSSING, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART,
-    SETTLED_PART,
+    FULL_ROUNDS, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART, SETTLED_PART,
 };
-use super::unknowns::Unknowns;
+use super::unknowns::{NearUnknowns, Unknowns};
 use super::wander::Stretch;
 use crate::error::FitError;
-use crate::scalar::{Scalar, over};
+use crate::scalar::{Arithmetic, Near, Scalar, over};
 use crate::setup::Setup;
 
 /// What is to be fitted, and the last round: its equations and what they have told.
-pub(super) struct Problem<'a, S, const N: usize> {
+pub(super) struct Problem<'a, S: Scalar, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) prior: &'a Prior<'a, S>,
     pub(super) observations: Vec<Observation<S>, N>,
@@ -66,42 +65,59 @@ enum Round {
 
 /// The equation of an observation, or `None` where its row runs along upright edges; and whether it shows the line in
 /// front of the camera.
-fn observe<S: Scalar>(observation: &Observation<S>, at: &Unknowns<S>, round: Round) -> Option<(Equation<S>, bool)> {
+fn observe<S: Scalar>(
+    observation: &Observation<S>,
+    at: &NearUnknowns<S::Near>,
+    round: Round,
+) -> Option<(Equation<S::Near>, EquationUnits, bool)> {
     let normals = &observation.normals;
     let residual = match round {
         Round::First => normals.residual_of_nothing(),
         Round::Later => at.residual(normals),
     };
-    if !(residual.per_bearing.abs() > S::ratio(LEAST_CROSSING.0, LEAST_CROSSING.1)) {
+    let none = S::Near::ZERO;
+    if residual.runs_along() {
         return None;
     }
-    if !observation.is_inlier || residual.per_px == S::ZERO {
-        return Some((Equation::NOTHING, residual.is_in_front()));
+    if !observation.is_inlier || residual.per_px == none {
+        return Some((Equation::NEAR_NOTHING, EquationUnits::SMALLEST, residual.is_in_front()));
     }
     // A pixel along the row in units of the noise.
-    let per_miss = observation.per_sigma / residual.per_px;
-    let y = -(residual.miss * per_miss);
+    let per_miss = observation.per_sigma / residual.per_px();
+    // So small that no sum of products leaves the range.
+    let scale = per_miss.size() + 1;
+    let near_per_miss = per_miss.near(scale);
+    let (miss, finer) = residual.miss.magnified();
+    let y = -miss.times(near_per_miss);
+    let units = EquationUnits { scale, finer, reach: normals.units.reach() };
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
-    let change = if round == Round::Later { at.change_along_row(normals) } else { [S::ZERO; 2] };
-    if change != [S::ZERO; 2] {
-        let ([one_per_px, q_per_px], off_px) = (change, y * observation.sigma_px);
-        (one, q) = (one.plus_product(one_per_px, off_px), q.plus_product(q_per_px, off_px));
+    let change = if round == Round::Later { at.change_along_row(normals) } else { [none; 2] };
+    if change != [none; 2] {
+        let off_px = S::of_near(y, units.y()) * observation.sigma_px;
+        let ([one_per_px, q_per_px], off) = (change, off_px.near(-normals.units.per_px()));
+        (one, q) = (one.plus_product(one_per_px, off), q.plus_product(q_per_px, off));
     }
-    let equation = Equation { one: one * per_miss, q: q * per_miss, w: residual.per_tilt * per_miss, y };
-    Some((equation, residual.is_in_front()))
+    let [one, q, w] = [one, q, residual.per_tilt].map(|part| part.times(near_per_miss));
+    Some((Equation { one, q, w, y }, units, residual.is_in_front()))
+}
+
+/// That of all.
+fn reach_of<S: Scalar>(observations: &[Observation<S>]) -> i32 {
+    observations.first().map_or(0, |observation| observation.normals.units.reach())
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
     fn round(&mut self, at: &Unknowns<S>, round: Round) -> Result<(), FitError> {
         let equations = &mut self.equations;
-        equations.clear();
+        let reach = reach_of(&self.observations);
+        let near = at.near(reach);
+        equations.clear(reach);
         let mut is_in_front = true;
         for (index, observation) in self.observations.iter().enumerate() {
-            let (equation, in_front) = observe(observation, at, round).ok_or(FitError::Sideways(index))?;
+            let (equation, units, in_front) = observe(observation, &near, round).ok_or(FitError::Sideways(index))?;
             is_in_front &= in_front;
-            // There is room: as many as observations.
-            let _ = equations.observed.push(equation);
+            equations.push_observed(equation, units);
         }
         self.prior.equations(self.setup, at, round == Round::Later, |equation, _| {
             equations.push_prior(equation);
@@ -176,11 +192,15 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let [per_q, per_w] = [over(solution.information_of_inverse_depth()), solution.variance_of_tilt()];
         let count = S::from_i32(self.observations.len() as i32);
         let (mut of_y, mut of_sigmas) = (S::ZERO, S::ZERO);
+        let units = self.equations.units;
+        let (near, near_solution) = (found.near(units.reach), solution.near(units));
         let mut pairs = self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.is_inlier);
         for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
-            let Some((new, _)) = observe(observation, found, Round::Later) else { return false };
-            let [q, w] = solution.uncentred(old);
-            let (of_q, of_w, off) = (new.q - q, new.w - w, new.y - solution.deviation(old));
+            let Some((new, new_units, _)) = observe(observation, &near, Round::Later) else { return false };
+            let new = new.whole::<S>(new_units);
+            let ([q, w], y) = (near_solution.uncentred(old), near_solution.near_deviation(old));
+            let old = Equation { q, w, y, ..*old }.whole::<S>(units);
+            let (of_q, of_w, off) = (new.q - old.q, new.w - old.w, new.y - old.y);
             of_sigmas = of_sigmas + of_q * of_q * per_q + of_w * of_w * per_w;
             of_y = of_y + off * off;
             // Squares: the other end takes nothing away.
@@ -239,7 +259,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     }
 
     fn is_in_front(&self, unknowns: &Unknowns<S>) -> bool {
-        let has_in_front = |observation: &Observation<S>| unknowns.residual(&observation.normals).is_in_front();
+        let near = unknowns.near(reach_of(&self.observations));
+        let has_in_front = |observation: &Observation<S>| near.residual(&observation.normals).is_in_front();
         unknowns.inverse_depth > S::ZERO && self.observations.iter().all(has_in_front)
     }
 

@@ -180,7 +180,7 @@ impl<S: Scalar> Range<S> {
     fn is_by_chance<const N: usize>(&self, line: &Line<N>) -> bool {
         let rows = i32::from(self.last_row.abs_diff(self.first_row)) + 1;
         let scatters = self.estimate.misfit > S::ratio(MOST_SHORT_MISFIT.0, MOST_SHORT_MISFIT.1);
-        line.is_by_chance() || line.is_of_pixels() && rows < SHORT_LENGTHS * ROUGHNESS_ROWS && scatters
+        !line.stands_out(1) || line.is_of_pixels() && rows < SHORT_LENGTHS * ROUGHNESS_ROWS && scatters
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.

@@ -11,8 +11,11 @@ use crate::motion::Motion;
 use crate::scalar::{Scalar, cross, dot, scale, sub};
 use crate::setup::Setup;
 
+/// Errors that each observation has a part of its own of: all but tilt, lens and speed.
+const OF_EACH: usize = SHARED_ERRORS - 3;
+
 /// A fit that has settled: what its equations, centred, are of, and their solution.
-pub(super) struct Settled<'a, S, M, const N: usize> {
+pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) motion: &'a M,
     pub(super) prior: &'a Prior<'a, S>,
@@ -32,10 +35,16 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
         let counts = SharedError::ALL.map(counts);
         let mut responses = [Response::NONE; SHARED_ERRORS];
-        for (observation, equation) in observations.iter().zip(&equations.observed) {
-            let [uncentred_q, _] = solution.uncentred(equation);
-            let errors = self.errors(observation, &counts, uncentred_q);
-            for ((response, error), _) in responses.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
+        let [_, _, speed, of_each @ ..] = &mut responses;
+        let [.., speed_counts, _, _, _, _, _] = counts;
+        if speed_counts {
+            *speed = self.response_to_speed();
+        }
+        let [_, _, _, counts @ ..] = counts;
+        let inliers = observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.is_inlier);
+        for (observation, equation) in inliers.filter(|_| counts != [false; OF_EACH]) {
+            let (equation, errors) = (&equation.whole(equations.units), self.errors(observation));
+            for ((response, error), _) in of_each.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
                 response.add(solution, equation, error);
             }
         }
@@ -52,26 +61,27 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         Sensitivity(responses.map(|response| response.change(solution)))
     }
 
-    /// What a unit of each error that `counts` adds to the y of an observation, in its sigma.
-    fn errors(
-        &self,
-        observation: &Observation<S>,
-        counts: &[bool; SHARED_ERRORS],
-        uncentred_q: S,
-    ) -> [S; SHARED_ERRORS] {
-        let rho = self.at.inverse_depth;
-        // q is the change of y with the inverse depth, which a relative error of the speed does not differ from.
-        let of_speed = -(rho * uncentred_q);
-        let none = S::ZERO;
-        let [.., rate, _, _, readout, focal] = *counts;
-        if !(rate || readout || focal) || !observation.is_inlier {
-            return [none, none, of_speed, none, none, none, none, none];
+    /// q is the change of y with the inverse depth, which a relative error of the speed does not differ from; the priors
+    /// do not know of it.
+    fn response_to_speed(&self) -> Response<S> {
+        let (solution, rho) = (self.solution, self.at.inverse_depth);
+        let mut response = Response::of_q(solution, -rho);
+        for equation in &self.equations.prior {
+            let [q, _] = solution.uncentred(equation);
+            response.add(solution, equation, rho * q);
         }
-        let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).per_px);
+        response
+    }
+
+    /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an observation,
+    /// in its sigma.
+    fn errors(&self, observation: &Observation<S>) -> [S; OF_EACH] {
+        let (none, rho) = (S::ZERO, self.at.inverse_depth);
+        let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).whole_per_px());
         let pose = self.motion.pose(observation.time_s);
         let is_steady = self.motion.keeps_attitude();
         let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
-        let [u, w] = observation.bearings;
+        let [u, w] = observation.bearings();
         let ahead = turn([none, none, S::ONE]);
         let direction = turn([u, w, S::ONE]);
         // F = d · h
@@ -85,6 +95,6 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         // R (u, w, 0)
         let of_focal = dot(sub(direction, ahead), h) * per_miss;
         let [of_x, of_y, of_z] = of_rate;
-        [none, none, of_speed, of_x, of_y, of_z, of_readout, of_focal]
+        [of_x, of_y, of_z, of_readout, of_focal]
     }
 }

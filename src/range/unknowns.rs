@@ -1,7 +1,8 @@
 //! [`Unknowns`]: what is sought of a line, and the one residual of a ray against it. docs/model.md, section 3.
 
-use super::observation::{Normal, Normals};
-use crate::scalar::Scalar;
+use super::observation::{Normal, Normals, Units};
+use super::tuning::LEAST_CROSSING;
+use crate::scalar::{Arithmetic, Near, Scalar};
 
 /// `(a, ρ, β)`, for directions that the observations have been held against: a line without these.
 #[derive(Clone, Copy)]
@@ -11,54 +12,135 @@ pub(crate) struct Unknowns<S> {
     pub(crate) tilt: S,
 }
 
-/// `F = m · P` of a ray against a line, with `P = (a, 0, 1) − ρ p`, and its derivatives.
-pub(crate) struct Residual<S> {
+/// `F = m · P` of a ray against a line, with `P = (a, 0, 1) − ρ p`, and its derivatives, all times a power of two.
+pub(crate) struct Residual<S: Scalar> {
     /// F: zero where the ray meets the line.
-    pub(crate) miss: S,
+    pub(super) miss: S::Near,
     /// By a pixel along the row.
-    pub(crate) per_px: S,
+    pub(super) per_px: S::Near,
     /// By the bearing: m_x.
-    pub(crate) per_bearing: S,
+    pub(super) per_bearing: S::Near,
     /// By the inverse depth: −m · p.
-    pub(crate) per_inverse_depth: S,
+    pub(super) per_inverse_depth: S::Near,
     /// By the tilt: `(d × e) · P`.
-    pub(crate) per_tilt: S,
+    pub(super) per_tilt: S::Near,
+    /// Of a pixel along the row and of the position.
+    pub(super) units: Units,
+    /// The exponent of that power of two.
+    exponent: i32,
 }
 
 impl<S: Scalar> Residual<S> {
     /// How far along the row, in pixels, the ray lies from the line; `None` where the line runs along the row.
     pub(crate) fn px(&self) -> Option<S> {
-        self.over_per_px(self.miss)
+        self.over_per_px(S::of_near(self.miss, 0))
     }
 
     /// Change of [`px`](Self::px) with the inverse depth.
     pub(crate) fn px_per_inverse_depth(&self) -> Option<S> {
-        self.over_per_px(self.per_inverse_depth)
+        self.over_per_px(S::of_near(self.per_inverse_depth, self.units.reach()))
+    }
+
+    /// Changes of [`px`](Self::px) with bearing, inverse depth and tilt.
+    pub(crate) fn px_per_unknown(&self) -> [S; 3] {
+        let per_px = self.per_px();
+        let parts = [(self.per_bearing, 0), (self.per_inverse_depth, self.units.reach()), (self.per_tilt, 0)];
+        parts.map(|(part, exponent)| S::of_near(part, exponent) / per_px)
+    }
+
+    /// In the same units as [`miss`](Self::miss).
+    pub(super) fn per_px(&self) -> S {
+        S::of_near(self.per_px, self.units.per_px())
+    }
+
+    /// As it is.
+    pub(super) fn whole_per_px(&self) -> S {
+        S::of_near(self.per_px, self.units.per_px() + self.exponent)
     }
 
     fn over_per_px(&self, value: S) -> Option<S> {
-        let pixels = value / self.per_px;
-        (self.per_px != S::ZERO && pixels.is_finite()).then_some(pixels)
+        let pixels = value / self.per_px();
+        (self.per_px != S::Near::ZERO && pixels.is_finite()).then_some(pixels)
+    }
+
+    /// Whether the row runs along upright edges.
+    pub(super) fn runs_along(&self) -> bool {
+        let least = S::ratio(LEAST_CROSSING.0, LEAST_CROSSING.1).near(self.exponent);
+        !(self.per_bearing > least || -self.per_bearing > least)
     }
 
     /// Whether what the ray shows of the line lies before the camera at that time: as equations alone have it, a camera
     /// might have passed the line within the frame. `per_px` is the depth there, relative to that at frame start, times
     /// what has the opposite sign of m_x.
     pub(crate) fn is_in_front(&self) -> bool {
-        (self.per_px < S::ZERO) != (self.per_bearing < S::ZERO)
+        (self.per_px < S::Near::ZERO) != (self.per_bearing < S::Near::ZERO)
+    }
+}
+
+/// [`Unknowns`] near one, for normals of one unit of the position: `P = (a, 0, 1) − ρ p` times a power of two, and the
+/// tilt over another.
+#[derive(Clone, Copy)]
+pub(super) struct NearUnknowns<N> {
+    bearing: N,
+    inverse_depth: N,
+    tilt: N,
+    /// Of P over what it stands for.
+    place: i32,
+    /// Of the tilt over what it stands for.
+    turn: i32,
+}
+
+impl<N: Near> NearUnknowns<N> {
+    /// n · P. The terms that nearly cancel are added first: single precision then loses one rounding, not four.
+    fn offset(&self, normal: &Normal<N>) -> N {
+        let ahead = normal.z.over_power_of_two(self.place);
+        ahead.plus_product(normal.x, self.bearing).minus_product(self.inverse_depth, normal.moved)
+    }
+
+    /// n + β of the lean's.
+    fn leaning(&self, down: N, lean: N) -> N {
+        down.over_power_of_two(self.turn).plus_product(self.tilt, lean)
+    }
+
+    /// A ray against this line: F is linear in the tilt.
+    pub(super) fn residual<S: Scalar<Near = N>>(&self, normals: &Normals<S>) -> Residual<S> {
+        let Normals { down, lean, down_per_px, lean_per_px, units } = normals;
+        let per_tilt = self.offset(lean);
+        let [per_bearing, per_inverse_depth] = self.per_place(down, lean);
+        Residual {
+            miss: self.leaning(self.offset(down), per_tilt),
+            per_px: self.leaning(self.offset(down_per_px), self.offset(lean_per_px)),
+            per_bearing,
+            per_inverse_depth,
+            per_tilt: per_tilt.over_power_of_two(self.turn),
+            units: *units,
+            exponent: units.ray() + self.place + self.turn,
+        }
+    }
+
+    fn per_place(&self, down: &Normal<N>, lean: &Normal<N>) -> [N; 2] {
+        let by = [self.leaning(down.x, lean.x), -self.leaning(down.moved, lean.moved)];
+        by.map(|part| part.over_power_of_two(self.place))
+    }
+
+    /// What a pixel along the row adds to `per_bearing` and `per_inverse_depth` of [`residual`](Self::residual).
+    pub(super) fn change_along_row<S: Scalar<Near = N>>(&self, normals: &Normals<S>) -> [N; 2] {
+        self.per_place(&normals.down_per_px, &normals.lean_per_px)
     }
 }
 
 impl<S: Scalar> Normals<S> {
     /// Against [`Unknowns::NOTHING`].
     pub(super) fn residual_of_nothing(&self) -> Residual<S> {
-        let Self { down, lean, down_per_px, .. } = self;
+        let Self { down, lean, down_per_px, units, .. } = self;
         Residual {
             miss: down.z,
             per_px: down_per_px.z,
             per_bearing: down.x,
             per_inverse_depth: -down.moved,
             per_tilt: lean.z,
+            units: *units,
+            exponent: units.ray(),
         }
     }
 }
@@ -77,27 +159,21 @@ impl<S: Scalar> Unknowns<S> {
         }
     }
 
-    /// n · P. The terms that nearly cancel are added first: single precision then loses one rounding, not four.
-    fn offset(&self, normal: &Normal<S>) -> S {
-        normal.z.plus_product(normal.x, self.bearing).minus_product(self.inverse_depth, normal.moved)
-    }
-
-    /// A ray against this line: F is linear in the tilt.
-    pub(crate) fn residual(&self, normals: &Normals<S>) -> Residual<S> {
-        let Normals { down, lean, down_per_px, lean_per_px } = normals;
-        let per_tilt = self.offset(lean);
-        Residual {
-            miss: self.offset(down).plus_product(self.tilt, per_tilt),
-            per_px: self.offset(down_per_px).plus_product(self.tilt, self.offset(lean_per_px)),
-            per_bearing: down.x.plus_product(self.tilt, lean.x),
-            per_inverse_depth: -down.moved.plus_product(self.tilt, lean.moved),
-            per_tilt,
+    /// For normals whose position has this unit.
+    pub(super) fn near(&self, reach: i32) -> NearUnknowns<S::Near> {
+        let place = self.bearing.size().max(self.inverse_depth.size().saturating_add(reach)).max(0);
+        let turn = (self.tilt.size() + 1).max(0);
+        NearUnknowns {
+            bearing: self.bearing.near(place),
+            inverse_depth: self.inverse_depth.near(place.saturating_sub(reach)),
+            tilt: self.tilt.near(turn),
+            place,
+            turn,
         }
     }
 
-    /// What a pixel along the row adds to `per_bearing` and `per_inverse_depth` of [`residual`](Self::residual).
-    pub(super) fn change_along_row(&self, normals: &Normals<S>) -> [S; 2] {
-        let Normals { down_per_px: down, lean_per_px: lean, .. } = normals;
-        [down.x.plus_product(self.tilt, lean.x), -down.moved.plus_product(self.tilt, lean.moved)]
+    /// A ray against this line.
+    pub(crate) fn residual(&self, normals: &Normals<S>) -> Residual<S> {
+        self.near(normals.units.reach()).residual(normals)
     }
 }

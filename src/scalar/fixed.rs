@@ -2,7 +2,8 @@
 
 use ::fixed::types::I32F32;
 
-use super::scalar::{Scalar, sealed};
+use super::near::sealed;
+use super::scalar::Scalar;
 
 /// A number of 31 bits and a power of two, from 2⁻¹²⁶ to 2¹²⁷ in size, in integer arithmetic only: no product or
 /// quotient has more than 64 bits, and none is made by a division. What leaves the range becomes the largest number,

@@ -1,12 +1,17 @@
 //! [`Q32`] as a [`Scalar`].
 
+use ::fixed::types::I4F28;
+
 use super::fixed::{INFINITE, OF_ZERO, Q32};
 use super::fixed_arithmetic::product_plus;
+use super::fixed_near::{FRACTION, Factor};
 use super::fixed_trigonometry::{arc_tangent, cosine, sine};
 use super::mantissa::root;
 use super::scalar::Scalar;
 
 impl Scalar for Q32 {
+    type Near = I4F28;
+
     const ZERO: Self = Self { mantissa: 0, exponent: OF_ZERO };
     const ONE: Self = Self { mantissa: 1 << 30, exponent: -30 };
     const EPSILON: Self = Self { mantissa: 1 << 30, exponent: -60 };
@@ -105,6 +110,30 @@ impl Scalar for Q32 {
         let (x, exponent) =
             if is_even { (self.mantissa >> 1, self.exponent + 1) } else { (self.mantissa, self.exponent) };
         Self::normalised(root(x as u32), (exponent + 31) / 2 - 31)
+    }
+
+    #[inline]
+    fn size(self) -> i32 {
+        self.exponent + 31
+    }
+
+    #[inline]
+    fn near(self, exponent: i32) -> I4F28 {
+        I4F28::from_bits(self.bits_near(exponent))
+    }
+
+    #[inline(never)]
+    fn of_near(near: I4F28, exponent: i32) -> Self {
+        Self::normalised(near.to_bits(), exponent.saturating_sub(FRACTION))
+    }
+
+    fn of_sum(sum: i64, exponent: i32) -> Self {
+        Self::of_bits_of_sum(sum, exponent)
+    }
+
+    fn factor(self, exponent: i32) -> Factor {
+        let left = self.size().saturating_sub(exponent).saturating_sub(1).clamp(0, 127);
+        Factor { near: self.near(exponent.saturating_add(left)), left }
     }
 
     fn sin(self) -> Self {

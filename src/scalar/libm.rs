@@ -1,6 +1,7 @@
 //! `f32` and `f64` on `libm`: the same bits on every machine.
 
-use super::scalar::{Scalar, sealed, widened};
+use super::near::{near_itself, scalar_near_itself, sealed};
+use super::scalar::{Scalar, widened};
 
 /// The two types differ in nothing but their names; a back end's functions are called by full path, because the
 /// inherent methods that std adds on a desktop would win silently and give other bits.
@@ -8,7 +9,11 @@ macro_rules! scalar_on_libm {
     ($float:ident, $widened:path, $sqrt:ident, $sin:ident, $cos:ident, $tan:ident, $atan:ident) => {
         impl sealed::Sealed for $float {}
 
+        near_itself!($float);
+
         impl Scalar for $float {
+            scalar_near_itself!();
+
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
             const EPSILON: Self = $float::EPSILON;

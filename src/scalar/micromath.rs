@@ -4,7 +4,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use ::micromath::F32Ext;
 
-use super::scalar::{Scalar, sealed, widened};
+use super::near::{near_itself, scalar_near_itself, sealed};
+use super::scalar::{Scalar, widened};
 
 /// An `f32` whose trigonometry is micromath's: a few instructions, an error of a few 10⁻⁴ to 10⁻³.
 ///
@@ -46,7 +47,11 @@ impl Neg for Micro {
     }
 }
 
+near_itself!(Micro);
+
 impl Scalar for Micro {
+    scalar_near_itself!();
+
     const ZERO: Self = Self(0.0);
     const ONE: Self = Self(1.0);
     const EPSILON: Self = Self(f32::EPSILON);

@@ -8,8 +8,13 @@
 //! | `f32`, `f64` | `libm` | native | `libm` |
 //! | [`Micro`] | `micromath` | native `f32` | `micromath`, coarse |
 //! | [`Q32`] | `fixed` | 31 bits and a power of two, integers only | the same |
+//!
+//! What is near one and shares a power of two with others (rays, equations) is a [`Near`]: the floating-point number
+//! itself, or 32 bits beside [`Q32`], which cost half as much.
 
+mod near;
 mod scalar;
+mod whole;
 mod vector;
 #[cfg(feature = "fixed")]
 mod mantissa;
@@ -19,6 +24,8 @@ mod fixed;
 mod fixed_arithmetic;
 #[cfg(feature = "fixed")]
 mod fixed_trigonometry;
+#[cfg(feature = "fixed")]
+mod fixed_near;
 #[cfg(feature = "fixed")]
 mod fixed_scalar;
 #[cfg(feature = "libm")]
@@ -30,6 +37,8 @@ mod micromath;
 pub use self::micromath::Micro;
 #[cfg(feature = "fixed")]
 pub use fixed::Q32;
+pub(crate) use near::{Arithmetic, Near, near_add, near_cross, near_dot};
 pub use scalar::Scalar;
-pub(crate) use scalar::{NS_PER_S, hypot, ln, over};
+pub(crate) use scalar::{NS_PER_S, hypot, ln, over, size_of_all};
 pub(crate) use vector::{add, cross, dot, on_axis, scale, sub};
+pub(crate) use whole::Whole;

@@ -3,6 +3,8 @@
 use core::fmt::Debug;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+use super::near::{Near, sealed};
+
 /// A real number of one of the back ends.
 ///
 /// *Range*: at least 10⁻³⁸ to 10³⁸ in size, with at least 24 bits. What leaves the range becomes infinite (floating
@@ -21,6 +23,11 @@ pub trait Scalar:
     + Neg<Output = Self>
     + sealed::Sealed
 {
+    /// What is near one, such as parts of directions: itself, or a number of 32 bits of the crate `fixed` that shares a
+    /// power of two with others.
+    #[doc(hidden)]
+    type Near: Near;
+
     /// 0.
     const ZERO: Self;
     /// 1.
@@ -54,6 +61,26 @@ pub trait Scalar:
     fn tan(self) -> Self;
     /// Arc tangent in radians, within ±π/2.
     fn atan(self) -> Self;
+
+    /// The exponent of a power of two that it is smaller than; zero where none is needed.
+    #[doc(hidden)]
+    fn size(self) -> i32;
+
+    /// Over a power of two; ±2 where it is larger.
+    #[doc(hidden)]
+    fn near(self, exponent: i32) -> Self::Near;
+
+    /// Times a power of two.
+    #[doc(hidden)]
+    fn of_near(near: Self::Near, exponent: i32) -> Self;
+
+    /// A sum of products times a power of two.
+    #[doc(hidden)]
+    fn of_sum(sum: <Self::Near as Near>::Sum, exponent: i32) -> Self;
+
+    /// As a factor of numbers near one, over a power of two.
+    #[doc(hidden)]
+    fn factor(self, exponent: i32) -> <Self::Near as Near>::Factor;
 
     /// `numerator / denominator` of two small whole numbers, for constants in formulas.
     fn ratio(numerator: i32, denominator: i32) -> Self {
@@ -110,6 +137,11 @@ pub(crate) fn hypot<S: Scalar>(a: S, b: S) -> S {
     large * (S::ONE + part * part).sqrt()
 }
 
+/// The exponent of the smallest power of two above the sizes of all of these.
+pub(crate) fn size_of_all<S: Scalar, const N: usize>(values: [S; N]) -> i32 {
+    values.into_iter().fold(i32::MIN, |most, value| most.max(value.size()))
+}
+
 /// The reciprocal of a positive number; zero for any other.
 pub(crate) fn over<S: Scalar>(value: S) -> S {
     if value > S::ZERO { S::ONE / value } else { S::ZERO }
@@ -154,8 +186,4 @@ pub(super) const fn widened(value: f32) -> f64 {
         (exponent, mantissa) => (exponent as u64 + 1023 - 127, mantissa << 29),
     };
     f64::from_bits((sign << 63) | (exponent << 52) | mantissa)
-}
-
-pub(super) mod sealed {
-    pub trait Sealed {}
 }

@@ -51,8 +51,7 @@ impl<S: Scalar> Comparison<S> {
 /// and tilt.
 pub(super) fn deviation<S: Scalar>(line3: &Line3<S>, observation: &Observation<S>) -> Option<(S, [S; 3])> {
     let residual = line3.residual(observation);
-    let sensitivity = [residual.per_bearing, residual.per_inverse_depth, residual.per_tilt];
-    Some((residual.px()?, sensitivity.map(|part| part / residual.per_px)))
+    Some((residual.px()?, residual.px_per_unknown()))
 }
 
 /// One sigma of a predicted column, in pixels.

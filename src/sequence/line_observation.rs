@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 use crate::setup::Setup;
 
 /// A line of this frame at its ends and in its middle.
-pub(crate) struct LineObservation<S> {
+pub(crate) struct LineObservation<S: Scalar> {
     pub(crate) polarity: Polarity,
     /// In grey levels; zero where it is not known.
     pub(crate) contrast: u8,

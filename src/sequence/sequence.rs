@@ -7,7 +7,7 @@ use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::time_shift::{TimeShift, Vote};
-use super::tuning::{CHANCE_EDGES, LEAST_SAMPLES, NEAR_PX};
+use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
@@ -360,15 +360,18 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let id = self.next_id;
         let Some(observation) = LineObservation::new(setup, motion, &state.line3, line) else { return range };
         let Some(extent) = Extent::between(&state.line3, &observation.rows) else { return range };
-        let is_tentative = !is_informative(range.status)
-            || (range.is_short_part_of(setup.readout()) && range.status != RangeStatus::Ok);
-        let landmark = Landmark::new(id, &observation, is_tentative, state, extent);
+        let is_weak = match range.status {
+            // One frame would tell it; more of them tell it surely.
+            RangeStatus::Ok => !line.stands_out(CLEAR_TIMES),
+            status => !is_informative(status) || range.is_short_part_of(setup.readout()),
+        };
+        let landmark = Landmark::new(id, &observation, is_weak, state, extent);
         if self.landmarks.insert(landmark).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
         }
         self.next_id = self.next_id.wrapping_add(1);
-        if is_informative(range.status) { Range { line_id: Some(id), ..range } } else { range }
+        if is_informative(range.status) { range.named(id, 1, false, is_weak) } else { range }
     }
 }
 

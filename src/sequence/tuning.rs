@@ -42,6 +42,10 @@ pub(super) const LEAST_SAMPLES: usize = 3;
 
 // When an edge is told, and when it is forgotten
 
+/// A line that stands out of the texture around by less than so many times what a single frame asks for waits for these
+/// frames: in a drive through texture there are many single frames (`cargo test what_stands_out_a_little_waits`).
+pub(super) const CLEAR_TIMES: u64 = 2;
+
 /// Frames that must agree on an edge that no single one shows well: in two, time and depth are the same.
 pub(super) const TELLING_FRAMES: u32 = 3;
 

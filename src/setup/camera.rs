@@ -1,8 +1,8 @@
 //! [`Camera`]: the direction in which each pixel looks.
 
-use super::distortion::{Distortion, Mapped};
+use super::distortion::Distortion;
 use crate::error::ParameterError;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, Whole};
 
 /// Image size, focal lengths and principal point of a camera, all in pixels. [`Camera::new`] checks them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +60,9 @@ pub struct Camera<S> {
     per_fx: S,
     #[cfg_attr(feature = "serde", serde(skip))]
     per_fy: S,
+    /// Of any ideal or recorded point; zero where the lens does not distort.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    largest: [S; 2],
 }
 
 /// A direction `(u, w, 1)` in the camera's axes (x right, y down, z forward), and how it changes along the row.
@@ -74,34 +77,6 @@ pub struct Ray<S> {
     pub du_dcolumn: S,
     /// Change of `w` per pixel of column; not zero where the lens distorts.
     pub dw_dcolumn: S,
-}
-
-/// The rays of a stretch of pixels `(u, w, 1)`: the mean of those at its ends and half their difference, and the change
-/// by a pixel along the row.
-pub(crate) struct RaySpan<S> {
-    pub(crate) middle: [S; 2],
-    pub(crate) half: [S; 2],
-    pub(crate) along_row: [S; 2],
-}
-
-/// The inversion of the distortion for a stretch of pixels is left with the square of its last step, times the
-/// curvature of the lens: below 10⁻⁴ px for a focal length of 1000 px.
-const NEAR_SQUARE: i32 = 1 << 23;
-
-/// A recorded point and what the lens has seen there.
-#[derive(Clone, Copy)]
-pub(crate) struct LensPoint<S> {
-    recorded: [S; 2],
-    ideal: Mapped<S>,
-    /// How far it lies from where the Jacobian of the one before would have it: the next one will, too.
-    bend: [S; 2],
-}
-
-impl<S: Scalar> LensPoint<S> {
-    /// The ideal point of another recorded one, to the first order.
-    fn continued_to(&self, [u, w]: [S; 2]) -> [S; 2] {
-        self.ideal.linear([u - self.recorded[0], w - self.recorded[1]])
-    }
 }
 
 /// Most columns or rows: a column in 1/65536 px must fit a signed number of 32 bits.
@@ -139,7 +114,8 @@ impl<S: Scalar> Camera<S> {
                 return Err(ParameterError::new(name, value.to_f64(), "finite, at most 1000 in size"));
             }
         }
-        let camera = Self { intrinsics, distortion, per_fx: S::ONE / fx, per_fy: S::ONE / fy };
+        let (per_fx, per_fy, largest) = (S::ONE / fx, S::ONE / fy, [S::ZERO; 2]);
+        let mut camera = Self { intrinsics, distortion, per_fx, per_fy, largest };
         camera.refuse_folding()?;
         Ok(camera)
     }
@@ -153,6 +129,16 @@ impl<S: Scalar> Camera<S> {
     /// Whether the lens does not distort.
     pub(crate) fn is_straight(&self) -> bool {
         self.distortion.is_none()
+    }
+
+    /// Changes of the bearings by a pixel along the row and along the column, without distortion.
+    pub(super) const fn per_focal(&self) -> [S; 2] {
+        [self.per_fx, self.per_fy]
+    }
+
+    /// The largest bearings of any ideal or recorded point; zero where the lens does not distort.
+    pub(super) const fn largest(&self) -> [S; 2] {
+        self.largest
     }
 
     /// Distortion as given.
@@ -183,52 +169,27 @@ impl<S: Scalar> Camera<S> {
             return Some(straight);
         }
         self.distortion.undistort(recorded).map(|ideal| {
-            let [u, w] = ideal.point;
-            let [[du, _], [dw, _]] = ideal.jacobian;
+            let [Whole(u), Whole(w)] = ideal.point;
+            let [[Whole(du), _], [Whole(dw), _]] = ideal.jacobian;
             Ray { u, w, du_dcolumn: du * self.per_fx, dw_dcolumn: dw * self.per_fx }
         })
-    }
-
-    /// The rays of a stretch of pixels, from `half` before `at` to `half` after it, both column and row. The inversion
-    /// starts from the `last` one.
-    ///
-    /// *Cost*: eight operations, or mostly one step of the inversion of the distortion and a short one for each end.
-    pub(crate) fn rays(&self, at: [S; 2], half: [S; 2], last: &mut Option<LensPoint<S>>) -> Option<RaySpan<S>> {
-        let recorded = self.normalised(at[0], at[1]);
-        let half = [half[0] * self.per_fx, half[1] * self.per_fy];
-        if self.distortion.is_none() {
-            return Some(RaySpan { middle: recorded, half, along_row: [self.per_fx, S::ZERO] });
-        }
-        let (linear, bend) = last.map_or((recorded, [S::ZERO; 2]), |last| (last.continued_to(recorded), last.bend));
-        let start = [linear[0] + bend[0], linear[1] + bend[1]];
-        let nearby = self.distortion.undistort_from(recorded, start, S::ratio(1, NEAR_SQUARE));
-        let ideal = nearby.or_else(|| self.distortion.undistort(recorded))?;
-        let bend = [ideal.point[0] - linear[0], ideal.point[1] - linear[1]];
-        *last = Some(LensPoint { recorded, ideal, bend });
-        let [[du, _], [dw, _]] = ideal.jacobian;
-        let along_row = [du * self.per_fx, dw * self.per_fx];
-        if half == [S::ZERO; 2] {
-            return Some(RaySpan { middle: ideal.point, half, along_row });
-        }
-        let half = ideal.step(half);
-        Some(RaySpan { middle: self.distortion.mean_of_ends(&ideal, recorded, half), half, along_row })
     }
 
     /// Where a direction `(u, w, 1)` is recorded: column and row in pixels.
     #[must_use]
     pub fn pixel(&self, u: S, w: S) -> (S, S) {
-        let [u, w] = self.distortion.distort([u, w]).point;
+        let [Whole(u), Whole(w)] = self.distortion.distort([u, w]).point;
         let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
         (cx + fx * u, cy + fy * w)
     }
 
-    fn normalised(&self, column: S, row: S) -> [S; 2] {
+    pub(super) fn normalised(&self, column: S, row: S) -> [S; 2] {
         [(column - self.intrinsics.cx) * self.per_fx, (row - self.intrinsics.cy) * self.per_fy]
     }
 
     /// Goes from the principal point to the border of the image in 32 directions: the ideal point must move outwards at
-    /// every step, and must map back to the recorded one.
-    fn refuse_folding(&self) -> Result<(), ParameterError> {
+    /// every step, and must map back to the recorded one. Takes down the largest.
+    fn refuse_folding(&mut self) -> Result<(), ParameterError> {
         if self.distortion.is_none() {
             return Ok(());
         }
@@ -238,7 +199,8 @@ impl<S: Scalar> Camera<S> {
             for step in 1..=16 {
                 let part = S::ratio(step, 16);
                 let recorded = [u * part, w * part];
-                let radius = self.ideal_radius(recorded);
+                let ideal = self.ideal_point(recorded);
+                let radius = ideal.map_or(S::ZERO, |[u, w]| (u * u + w * w).sqrt());
                 if !(radius > reached) {
                     let r2 = recorded[0] * recorded[0] + recorded[1] * recorded[1];
                     return Err(ParameterError::new(
@@ -248,24 +210,25 @@ impl<S: Scalar> Camera<S> {
                     ));
                 }
                 reached = radius;
+                let [ideal_u, ideal_w] = ideal.unwrap_or(recorded).map(S::abs);
+                let [most_u, most_w] = self.largest;
+                self.largest = [most_u.max(ideal_u).max(recorded[0].abs()), most_w.max(ideal_w).max(recorded[1].abs())];
             }
         }
         Ok(())
     }
 
-    /// Radius of the ideal point, or zero where the inversion fails or is close to failing.
-    fn ideal_radius(&self, recorded: [S; 2]) -> S {
-        let Some(ideal) = self.distortion.undistort(recorded) else {
-            return S::ZERO;
-        };
-        let back = self.distortion.distort(ideal.point);
-        let round_trip_error = (back.point[0] - recorded[0]).abs() + (back.point[1] - recorded[1]).abs();
+    /// The ideal point, or `None` where the inversion fails or is close to failing.
+    fn ideal_point(&self, recorded: [S; 2]) -> Option<[S; 2]> {
+        let ideal = self.distortion.undistort(recorded)?.point.map(|Whole(part)| part);
+        let back = self.distortion.distort(ideal);
+        let [Whole(u), Whole(w)] = back.point;
+        let round_trip_error = (u - recorded[0]).abs() + (w - recorded[1]).abs();
         // 1e-4 px, or what the type resolves.
         let tolerance = (self.per_fx * S::ratio(1, 10_000)).max(S::EPSILON * S::from_i32(32));
         // The scale of areas falls to zero at a fold, which may lie nearer between two of the directions than on them.
-        let near_fold = back.determinant() < S::ratio(1, 8);
-        let [u, w] = ideal.point;
-        if round_trip_error <= tolerance && !near_fold { (u * u + w * w).sqrt() } else { S::ZERO }
+        let near_fold = back.determinant() < Whole(S::ratio(1, 8));
+        (round_trip_error <= tolerance && !near_fold).then_some(ideal)
     }
 
     /// The normalised point number `index` of 32 around the border of the image.

@@ -1,6 +1,7 @@
 //! [`Distortion`]: the lens model of Brown and Conrady, and the rational one that extends it, in the order of OpenCV.
 
-use crate::scalar::Scalar;
+use super::lens::{Lens, Mapped, Nearness};
+use crate::scalar::{Scalar, Whole};
 
 /// Radial `k1` to `k3`, in the rational model divided by `k4` to `k6`, and tangential `p1`, `p2`. All zero, the
 /// default, is a lens without distortion.
@@ -27,44 +28,6 @@ pub struct Distortion<S> {
     pub k5: S,
     /// Radial divisor, sixth order.
     pub k6: S,
-}
-
-/// The image of a point under the lens model or its inverse, with the Jacobian of the mapping there.
-#[derive(Clone, Copy)]
-pub(crate) struct Mapped<S> {
-    pub(crate) point: [S; 2],
-    /// `[[∂u/∂u, ∂u/∂w], [∂w/∂u, ∂w/∂w]]`
-    pub(crate) jacobian: [[S; 2]; 2],
-}
-
-impl<S: Scalar> Mapped<S> {
-    /// Where a point so far off is mapped to, by the Jacobian here.
-    pub(super) fn linear(&self, off: [S; 2]) -> [S; 2] {
-        let ([u, w], [du, dw]) = (self.point, self.step(off));
-        [u + du, w + dw]
-    }
-
-    /// What a point so far off is moved by.
-    pub(super) fn step(&self, [u, w]: [S; 2]) -> [S; 2] {
-        let [[uu, uw], [wu, ww]] = self.jacobian;
-        [(uu * u).plus_product(uw, w), (wu * u).plus_product(ww, w)]
-    }
-
-    /// Scale of a small area under the mapping: zero at a fold.
-    pub(crate) fn determinant(&self) -> S {
-        let [[a, b], [c, d]] = self.jacobian;
-        a * d - b * c
-    }
-
-    /// Inverse of the Jacobian; `None` at or beyond a fold.
-    fn inverse_jacobian(&self) -> Option<[[S; 2]; 2]> {
-        let [[a, b], [c, d]] = self.jacobian;
-        let determinant = self.determinant();
-        (determinant > S::ratio(1, 64)).then(|| {
-            let per_area = S::ONE / determinant;
-            [[d * per_area, -(b * per_area)], [-(c * per_area), a * per_area]]
-        })
-    }
 }
 
 impl<S: Scalar> Distortion<S> {
@@ -95,116 +58,46 @@ impl<S: Scalar> Distortion<S> {
     }
 
     /// From the ideal to the recorded point.
-    pub(crate) fn distort(&self, [u, w]: [S; 2]) -> Mapped<S> {
-        let (uu, uw, ww) = (u * u, u * w, w * w);
-        // Half the derivative of `radial` by u is u times its slope.
-        let [radial, slope] = self.radial(uu + ww);
-        let (p1u, p1w, p2u, p2w) = (self.p1 * u, self.p1 * w, self.p2 * u, self.p2 * w);
-        let twice = |value: S| value + value;
-        let along_u = radial + twice(uu * slope + p1w + twice(p2u) + p2u);
-        let along_w = radial + twice(ww * slope + p2u + twice(p1w) + p1w);
-        let cross = twice(uw * slope + p1u + p2w);
-        Mapped { point: self.with_radial([u, w], [uu, uw, ww], radial), jacobian: [[along_u, cross], [cross, along_w]] }
+    pub(crate) fn distort(&self, point: [S; 2]) -> Mapped<Whole<S>> {
+        self.lens().distort(point.map(Whole))
     }
 
-    /// The mean of the ideal points at both ends of a stretch about one whose inverse mapping is known, `half` to
-    /// either side: one step from there for each. What the Jacobian has changed by cancels in the mean, and its square
-    /// is left of each step.
-    ///
-    /// *Cost*: about 60 operations.
-    pub(super) fn mean_of_ends(&self, ideal: &Mapped<S>, [u, w]: [S; 2], [half_u, half_w]: [S; 2]) -> [S; 2] {
-        let [middle_u, middle_w] = ideal.point;
-        let [before_u, before_w] = self.distort_point([middle_u - half_u, middle_w - half_w]);
-        let [after_u, after_w] = self.distort_point([middle_u + half_u, middle_w + half_w]);
-        ideal.linear([u - (before_u + after_u).half(), w - (before_w + after_w).half()])
+    /// From the recorded to the ideal point, from where it is recorded. The Jacobian is that of this *inverse* mapping.
+    /// `None` where the model folds over.
+    pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<Whole<S>>> {
+        let recorded = recorded.map(Whole);
+        let nearness = Nearness {
+            step_squared: Whole(S::EPSILON * S::ratio(1, 16)),
+            residual: Whole(S::EPSILON * S::from_i32(32)),
+            farthest: None,
+        };
+        self.lens().undistort_from(recorded, recorded, &nearness)
     }
 
-    /// From the ideal to the recorded point.
-    fn distort_point(&self, [u, w]: [S; 2]) -> [S; 2] {
-        let (uu, uw, ww) = (u * u, u * w, w * w);
-        let [radial, _] = self.radial(uu + ww);
-        self.with_radial([u, w], [uu, uw, ww], radial)
+    /// For points of any size.
+    pub(super) fn lens(&self) -> Lens<Whole<S>> {
+        Lens::new(self.to_opencv().map(Whole))
     }
 
-    /// The same from the products of u and w, and the radial factor.
-    #[inline]
-    fn with_radial(&self, [u, w]: [S; 2], [uu, uw, ww]: [S; 3], radial: S) -> [S; 2] {
-        let (r2, both) = (uu + ww, uw + uw);
-        let tangential_u = (self.p1 * both).plus_product(self.p2, r2 + (uu + uu));
-        let tangential_w = (self.p2 * both).plus_product(self.p1, r2 + (ww + ww));
-        [tangential_u.plus_product(u, radial), tangential_w.plus_product(w, radial)]
+    /// For points near one.
+    pub(super) fn near_lens(&self) -> Lens<S::Near> {
+        Lens::new(self.to_opencv().map(|coefficient| coefficient.near(0)))
     }
 
-    /// The radial factor at r², and its derivative by r².
-    fn radial(&self, r2: S) -> [S; 2] {
-        let [numerator, rise] = cubic([self.k1, self.k2, self.k3], r2);
-        let divisor = [self.k4, self.k5, self.k6];
-        if divisor == [S::ZERO; 3] {
-            return [numerator, rise];
-        }
-        let [denominator, fall] = cubic(divisor, r2);
-        let radial = numerator / denominator;
-        [radial, (rise - radial * fall) / denominator]
-    }
-
-    /// From the recorded to the ideal point, by Newton's method, which starts at the recorded one. The Jacobian is that
-    /// of this *inverse* mapping. `None` where the model folds over.
-    ///
-    /// *Cost*: two to five steps of about 60 operations for real lenses.
-    pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<S>> {
-        self.undistort_from(recorded, recorded, S::EPSILON * S::ratio(1, 16))
-    }
-
-    /// The same from a start near the ideal point; a step whose square is no more than `near` is the last.
-    pub(super) fn undistort_from(&self, recorded: [S; 2], start: [S; 2], near: S) -> Option<Mapped<S>> {
-        let mut point = start;
-        let mut mapped = self.distort(point);
-        let mut residual = difference(recorded, mapped.point);
-        for _ in 0..MAX_STEPS {
-            let jacobian = mapped.inverse_jacobian()?;
-            let [[iuu, iuw], [iwu, iww]] = jacobian;
-            let (mut du, mut dw) = (iuu * residual[0] + iuw * residual[1], iwu * residual[0] + iww * residual[1]);
-            // The next step would be its square, or a few times that.
-            let step = du.abs() + dw.abs();
-            if !(step * step > near) {
-                return Some(Mapped { point: [point[0] + du, point[1] + dw], jacobian });
-            }
-            // A step that overshoots is halved: near a fold the linear model holds for short steps only.
-            for _ in 0..MAX_HALVINGS {
-                let next = [point[0] + du, point[1] + dw];
-                let next_mapped = self.distort(next);
-                let next_residual = difference(recorded, next_mapped.point);
-                if size(next_residual) < size(residual) {
-                    (point, mapped, residual) = (next, next_mapped, next_residual);
-                    break;
-                }
-                (du, dw) = (du * S::ratio(1, 2), dw * S::ratio(1, 2));
-            }
-        }
-        // Rounding can keep the last digits from settling: a residual of that size counts as converged.
-        let converged = size(residual) <= S::EPSILON * S::from_i32(32);
-        mapped.inverse_jacobian().filter(|_| converged).map(|jacobian| Mapped { point, jacobian })
+    /// Whether no number of the model or of its derivatives is beyond those near one for points of at most these sizes.
+    pub(super) fn is_near(&self, [u, w]: [S; 2]) -> bool {
+        let Self { k1, k2, p1, p2, k3, k4, k5, k6 } = *self;
+        let (one, two) = (S::ONE, S::ONE + S::ONE);
+        let r2 = u * u + w * w;
+        let sum = |[a, b, c]: [S; 3]| r2 * (a.abs() + r2 * (b.abs() + r2 * c.abs()));
+        let rise = |[a, b, c]: [S; 3]| sum([a, two * b, c * S::from_i32(3)]);
+        let (radial, divisor) = ([k1, k2, k3], [k4, k5, k6]);
+        let is_near = |numbers: [S; 3]| rise(numbers) < two && numbers.into_iter().all(|number| number.abs() < two);
+        // A quotient of what is far from one is not worth the trouble.
+        let is_plain = divisor == [S::ZERO; 3];
+        u.max(w) < S::ratio(4, 3) && is_plain && is_near(radial) && (p1.abs() + p2.abs()) * (one + r2) < S::ratio(1, 4)
     }
 }
-
-/// `1 + a x + b x² + c x³` and its derivative.
-fn cubic<S: Scalar>([a, b, c]: [S; 3], x: S) -> [S; 2] {
-    let (xb, xxc) = (x * b, x * (x * c));
-    [S::ONE.plus_product(x, a + (xb + xxc)), a + (xb + xb) + (xxc + xxc + xxc)]
-}
-
-fn difference<S: Scalar>(a: [S; 2], b: [S; 2]) -> [S; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-fn size<S: Scalar>([u, w]: [S; 2]) -> S {
-    u.abs() + w.abs()
-}
-
-const MAX_HALVINGS: usize = 6;
-
-/// Each step doubles the number of correct digits; a point that has not converged by then lies at or beyond a fold.
-const MAX_STEPS: usize = 24;
 
 impl<S: Scalar> Default for Distortion<S> {
     fn default() -> Self {

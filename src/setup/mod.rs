@@ -1,7 +1,9 @@
 //! What is known and checked once: the camera, when its rows are read, and how well all of that is known.
 
+mod lens;
 mod distortion;
 mod camera;
+mod ray_spans;
 mod readout;
 mod response;
 mod uncertainty;
@@ -11,10 +13,10 @@ mod motion_blur;
 mod setup;
 
 pub use camera::{Camera, Intrinsics, Ray};
-pub(crate) use camera::{LensPoint, RaySpan};
 pub use distortion::Distortion;
 pub use limits::Limits;
 pub use motion_blur::MotionBlur;
+pub(crate) use ray_spans::{RaySpan, RaySpans};
 pub use readout::{Readout, ReadoutDirection};
 pub use response::Response;
 pub use setup::Setup;
