@@ -122,6 +122,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             _ => (0, self.begin_row(setup, &point)?),
         };
         self.tracker.count_points(1);
+        // It is no more than that: said again, so that the check of `insert` can be left out.
+        let at = at.min(self.row.len());
         if self.row.insert(at, EdgePoint { time_ns, ..point }).is_err() {
             self.tracker.count_dropped_point();
         }
