@@ -138,7 +138,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// frame of edge points is refused and changes nothing.
     ///
     /// *Cost*: some seven to twelve instructions a pixel and two to three thousand for each edge; docs/budget.md has
-    /// them by board, and what texture and fences cost.
+    /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
+    /// each of `POINTS`; for each of `LINES` one look of its model and one scanned point that is refined; eight new
+    /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in one
+    /// of the next rows.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
@@ -160,7 +163,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut flanks = Flanks::new();
         tracker.locate(setup.limits(), at, pixel_row, &mut flanks);
-        let is_blinded = self.scanner.scan_beside(pixels, &flanks, looks_beside(row), |point| {
+        let mut demand = Demand::new();
+        tracker.demand(setup.limits(), row, &mut demand);
+        let mut asked: Vec<_, LINES> = Vec::new();
+        demand.add_columns(&mut asked);
+        let asked = demand.is_of_full_table().then_some(&asked[..]);
+        let is_blinded = self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
                 tracker.count_dropped_point();
@@ -168,14 +176,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         });
         tracker.remove_explained(row, points);
         tracker.count_points(points.len() as u32);
-        let mut demand = Demand::new();
-        if !points.is_empty() {
-            tracker.demand(setup.limits(), row, &mut demand);
-        }
         refine_alone(points, row, pixel_row, self.scanner.noise_q8(), &demand);
         let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
         points.clear();
-        if is_blinded || tracker.counters().dropped_points != dropped_points {
+        if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
         if let Some(row) = jump {

@@ -117,15 +117,17 @@ impl Scanner {
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
     /// right.
     pub fn scan(&mut self, pixels: impl Pixels, found: impl FnMut(ScannedPoint)) {
-        let _ = self.scan_beside(pixels, &[], true, found);
+        let _ = self.scan_where(pixels, None, &[], true, found);
     }
 
-    /// Likewise, but for the flanks of known edges, from left to right: positions whose differences are these edges'
-    /// own. What differs elsewhere in the spans with such a flank is looked at only where that is asked for. Whether
-    /// texture or noise everywhere hides edges that are anything but faint.
-    pub(crate) fn scan_beside(
+    /// Likewise, but only in the columns that are asked for, where these are given, and but for the flanks of known
+    /// edges, from left to right: positions whose differences are these edges' own. What differs elsewhere in the spans
+    /// with such a flank is looked at where `looks_beside` says so. Whether texture or noise everywhere hides edges
+    /// that are anything but faint.
+    pub(crate) fn scan_where(
         &mut self,
         pixels: impl Pixels,
+        asked: Option<&[Range<u16>]>,
         flanks: &[Range<u16>],
         looks_beside: bool,
         mut found: impl FnMut(ScannedPoint),
@@ -146,7 +148,9 @@ impl Scanner {
                 seen = fine(&pixels, positions, seen, (least as i32, noise_q8), &mut found);
             });
         };
-        coarse(&pixels, least_peak, if looks_beside { &[] } else { flanks }, look);
+        if asked.is_none_or(|asked| !asked.is_empty()) {
+            coarse(&pixels, least_peak, asked, if looks_beside { &[] } else { flanks }, look);
+        }
         least > WINDOW as u32 * MOST_HIDDEN
     }
 }
@@ -231,9 +235,16 @@ impl Comparison {
     }
 }
 
-/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit, but for spans
-/// with explained positions.
-fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretch: impl FnMut(usize, usize)) {
+/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit: of the
+/// columns that are asked for, if any are, and without spans with explained positions.
+fn coarse(
+    pixels: &impl Pixels,
+    limit: u32,
+    asked: Option<&[Range<u16>]>,
+    explained: &[Range<u16>],
+    mut stretch: impl FnMut(usize, usize),
+) {
+    let is_asked = |span| asked.is_none_or(|asked| asked.iter().any(|columns| spans_of(columns).contains(&span)));
     let mut buffer = [0; SPAN * GROUP];
     let mut open: Option<(usize, usize)> = None;
     let spans = pixels.columns() / SPAN;
@@ -246,7 +257,7 @@ fn coarse(pixels: &impl Pixels, limit: u32, explained: &[Range<u16>], mut stretc
             if comparison.any_of(group) {
                 comparison = before;
                 for (index, span) in group.chunks_exact(SPAN).enumerate() {
-                    if comparison.span(span) & Comparison::HIGHEST != 0 {
+                    if comparison.span(span) & Comparison::HIGHEST != 0 && is_asked(at + index) {
                         add_stretch(&mut open, at + index, &mut stretch);
                     }
                 }
@@ -270,10 +281,15 @@ fn has_edge_in_tail(pixels: &impl Pixels, limit: u32) -> bool {
     Comparison::begin(limit, first).span(last) & Comparison::HIGHEST != 0
 }
 
+/// The spans that positions lie in.
+fn spans_of(positions: &Range<u16>) -> Range<usize> {
+    let span_of = |position: u16| (usize::from(position) + WINDOW) / SPAN;
+    span_of(positions.start)..span_of(positions.end) + 1
+}
+
 /// The spans of a row, but for the first and those with explained positions: what is between these.
 fn unexplained(explained: &[Range<u16>], spans: usize) -> impl Iterator<Item = Range<usize>> {
-    let span_of = |position: u16| (usize::from(position) + WINDOW) / SPAN;
-    let flanks = explained.iter().map(move |flank| (span_of(flank.start).min(spans), span_of(flank.end) + 1));
+    let flanks = explained.iter().map(spans_of).map(move |flank| (flank.start.min(spans), flank.end));
     let mut from = 1;
     let gaps = flanks.chain([(spans, spans)]).map(move |(start, end)| {
         let gap = from..start;

@@ -1,4 +1,6 @@
-//! [`Demand`]: which points of a row may become part of a line, so that no other is refined.
+//! [`Demand`]: which points of a row may become part of a line, so that no other is looked for or refined.
+
+use core::ops::Range;
 
 use heapless::Vec;
 
@@ -20,6 +22,9 @@ struct Line {
 /// More than a point moves when it is refined alone.
 const MOST_REFINED_Q16: u32 = 1 << 16;
 
+/// Beyond that the windows of the scanner on either side, and the neighbours of the edge there.
+const BESIDE_Q16: u32 = 12 << 16;
+
 impl<const LINES: usize> Demand<LINES> {
     /// All points.
     pub(crate) const fn new() -> Self {
@@ -34,6 +39,23 @@ impl<const LINES: usize> Demand<LINES> {
             polarity,
         };
         self.lines = Some(lines.map(line).take(LINES).collect());
+    }
+
+    /// Whether no place is free for another line.
+    pub(crate) const fn is_of_full_table(&self) -> bool {
+        self.lines.is_some()
+    }
+
+    /// Adds the columns where a point may be asked for.
+    pub(crate) fn add_columns(&self, columns: &mut Vec<Range<u16>, LINES>) {
+        let column = |column_q16: i32| (column_q16 >> 16).max(0) as u16;
+        for line in self.lines.iter().flatten() {
+            let reach_q16 = line.reach_q16.saturating_add(BESIDE_Q16);
+            let from_q16 = line.column_q16.saturating_sub_unsigned(reach_q16);
+            let to_q16 = line.column_q16.saturating_add_unsigned(reach_q16);
+            // There is room: one for each line.
+            let _ = columns.push(column(from_q16)..column(to_q16));
+        }
     }
 
     pub(crate) fn asks_for(&self, point: &EdgePoint) -> bool {

@@ -118,7 +118,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.count_stray(strays);
     }
 
-    /// Restricts what is asked for where no place is free: to be called before the points that are left are refined.
+    /// Restricts what is asked for where no place is free: to be called after the lines were located and before the row
+    /// is scanned.
     pub(crate) fn demand(&mut self, limits: &Limits, row: u16, demand: &mut Demand<LINES>) {
         if self.table.is_full() {
             let mut candidates = Candidates::new();

@@ -29,7 +29,8 @@ pub fn count(
         for row in 0..setup.readout().rows() {
             job.bytes(bytes);
             let (result, instructions) = counter.count(|| take(&mut ranger, row, bytes));
-            result.expect("rows in order");
+            // What the search makes may look torn: then the frame has no more rows that cost anything.
+            assert!(matches!(result, Ok(()) | Err(RowError::Jump { .. } | RowError::Torn)), "rows in order");
             all += instructions;
             if instructions > most {
                 (most, dearest) = (instructions, row);
