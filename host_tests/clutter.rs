@@ -41,7 +41,8 @@ fn range_of<'a>(found: &'a [Range<f32>], truth: &Truth) -> Option<&'a Range<f32>
 fn crossing_bars_lead_no_line_astray() {
     // 95.4 % less two sigma of a share of 80.
     const LEAST_PERCENT_INSIDE: usize = 91;
-    // The Cramér–Rao bound of 0.08 % knows texture and bars; not to know them costs a factor of eight here, twelve at most.
+    // The Cramér–Rao bound of 0.08 % knows texture and bars; not to know them costs a factor of eight here, twelve at
+    // most.
     const MOST_RMS: f64 = 0.01;
     // What crosses behind the post can be as steep as an edge in motion, once in so many frames.
     const MOST_WRONG: usize = 1;

@@ -137,6 +137,7 @@ fn understated_noise_is_noticed() {
             normalised_error(&scene, &found)
         })
         .collect();
-    // Enlarged by a misfit that is estimated itself, errors have Student's distribution: a deviation of √(13/11), about.
+    // Enlarged by a misfit that is estimated itself, errors have Student's distribution: a deviation of √(13/11),
+    // about.
     assert!((0.8..1.3).contains(&spread(&errors).deviation), "{}", spread(&errors).deviation);
 }

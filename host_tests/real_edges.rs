@@ -77,7 +77,8 @@ impl Edge {
         self.off_per_m() / self.range.estimate.sigma_inverse_depth_per_m
     }
 
-    /// `ok` or `far` with the truth between the bounds at two sigma, widened by the tenth that the reference may be off.
+    /// `ok` or `far` with the truth between the bounds at two sigma, widened by the tenth that the reference may be
+    /// off.
     fn is_right(&self) -> bool {
         let depth = self.range.depth(Sigmas(2.0));
         let truth_m = 1.0 / self.reference.inverse_depth_per_m;

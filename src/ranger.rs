@@ -140,8 +140,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// *Cost*: some seven to twelve instructions a pixel and two to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
     /// each of `POINTS`; for each of `LINES` one look of its model and one scanned point that is refined; eight new
-    /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in one
-    /// of the next rows.
+    /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in
+    /// one of the next rows.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,

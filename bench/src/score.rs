@@ -31,8 +31,8 @@ impl Score {
         )
     }
 
-    /// Edges, share of them found, RMS error of inverse depth, RMS of the bound, RMS of error over bound, the same by the
-    /// median error, share inside two sigma, false distances per frame.
+    /// Edges, share of them found, RMS error of inverse depth, RMS of the bound, RMS of error over bound, the same by
+    /// the median error, share inside two sigma, false distances per frame.
     pub fn line(&self, name: &str) -> String {
         let count = self.found.len() as f64;
         let percent = |of: f64, all: f64| if all > 0.0 { Some(100.0 * of / all) } else { None };

@@ -17,7 +17,8 @@ pub(crate) enum CalibrateCommand {
     /// Focal length times line time, and a constant tilt, from passes at known distance and speed
     #[command(after_help = help::SCALE)]
     Scale(ScaleArgs),
-    /// Offset of the gyroscope's clock, and roll and pitch of the camera, from some seconds of turning before upright edges
+    /// Offset of the gyroscope's clock, and roll and pitch of the camera, from some seconds of turning before upright
+    /// edges
     #[command(after_help = help::IMU)]
     Imu(ImuArgs),
 }
@@ -41,7 +42,8 @@ pub(crate) struct FlickerArgs {
     /// Two frames or more, in their order: bands must move from one to the next
     #[arg(required = true, value_name = "FRAME")]
     pub(crate) files: Vec<PathBuf>,
-    /// How often the light flickers: 100 or 120 for lamps on mains of 50 or 60 Hz, else the frequency of its PWM or strobe
+    /// How often the light flickers: 100 or 120 for lamps on mains of 50 or 60 Hz, else the frequency of its PWM or
+    /// strobe
     #[arg(long, value_name = "HZ", value_parser = frequency)]
     pub(crate) frequency_hz: f64,
     /// How well that is known, one standard deviation; default: 0.04 % for 100 and 120 Hz, 100 ppm otherwise

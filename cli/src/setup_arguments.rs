@@ -47,8 +47,8 @@ pub(crate) struct MotionArgs {
     /// then that at the start of the first frame, and continues; otherwise it is that of every frame
     #[arg(long, value_name = "SECONDS", value_parser = interval_of_a_sequence, allow_negative_numbers = true)]
     pub(crate) frame_interval_s: Option<f64>,
-    /// The same for frames that do not come at regular intervals: CSV with the header `time_s`, one line for each frame in
-    /// their order, or `name,time_s`; only differences count. A column `exposure_s` has the exposure of each frame
+    /// The same for frames that do not come at regular intervals: CSV with the header `time_s`, one line for each frame
+    /// in their order, or `name,time_s`; only differences count. A column `exposure_s` has the exposure of each frame
     #[arg(long, value_name = "FILE", conflicts_with = "frame_interval_s")]
     pub(crate) frame_times: Option<PathBuf>,
     /// Measured motion instead of the setup's velocity and rotation rate: CSV with the header time_s,vx,vy,vz,wx,wy,wz

@@ -1,4 +1,5 @@
-//! [`ImuCalibration`]: when the gyroscope's samples are, and where down is, from upright edges before a camera that turns.
+//! [`ImuCalibration`]: when the gyroscope's samples are, and where down is, from upright edges before a camera that
+//! turns.
 
 use heapless::Vec;
 

@@ -12,8 +12,8 @@ pub struct Lamp<S> {
 }
 
 impl<S: Scalar> Lamp<S> {
-    /// A lamp that is driven at a frequency in hertz, 1 to 100 000: a LED with PWM, a strobe. Its clock is taken to be a
-    /// crystal, good to 100 ppm.
+    /// A lamp that is driven at a frequency in hertz, 1 to 100 000: a LED with PWM, a strobe. Its clock is taken to be
+    /// a crystal, good to 100 ppm.
     ///
     /// *Errors*: a frequency outside these limits.
     pub fn new(frequency_hz: S) -> Result<Self, ParameterError> {

@@ -14,8 +14,8 @@ use crate::setup::{Readout, ReadoutDirection};
 pub struct LineTime<S> {
     /// From one row of the image to the next, in picoseconds.
     pub line_time_ps: u64,
-    /// One standard deviation, relative: what [`Uncertainty::sigma_readout`](crate::Uncertainty::sigma_readout) asks for.
-    /// The lamp's own is part of it.
+    /// One standard deviation, relative: what [`Uncertainty::sigma_readout`](crate::Uncertainty::sigma_readout) asks
+    /// for. The lamp's own is part of it.
     pub sigma: S,
     /// Periods of the lamp in a frame.
     pub periods: S,

@@ -1,4 +1,5 @@
-//! [`Spectrum`]: powers of the bands at all frequencies, summed over pairs of frames, and which of them is the fundamental.
+//! [`Spectrum`]: powers of the bands at all frequencies, summed over pairs of frames, and which of them is the
+//! fundamental.
 
 use heapless::Vec;
 

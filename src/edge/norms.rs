@@ -103,8 +103,8 @@ const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
     (variance_q15 << 1).isqrt() as u16
 }
 
-/// One over a sum of squares; of one that is hardly there, over the least that shows an edge, so that at least nine bits
-/// are lost.
+/// One over a sum of squares; of one that is hardly there, over the least that shows an edge, so that at least nine
+/// bits are lost.
 const fn reciprocal(squares: u32) -> Factor {
     let least = if squares > LEAST_SLOPE_SLOPE { squares } else { LEAST_SLOPE_SLOPE };
     Factor::of(ratio(u32::MAX, least), 32)

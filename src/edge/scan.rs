@@ -55,8 +55,8 @@ impl ScannedPoint {
 ///
 /// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where
 /// the means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma
-/// of what is usual in these rows, or three where that is not noise but texture. Both change down the rows as much as across them; where what
-/// is usual across does not, upright edges are usual, as in a fence.
+/// of what is usual in these rows, or three where that is not noise but texture. Both change down the rows as much as
+/// across them; where what is usual across does not, upright edges are usual, as in a fence.
 ///
 /// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels; a fence
 /// whose contrast is below 40 levels may pass for texture. *Cost*: some six instructions a pixel, and fifteen more near
@@ -82,8 +82,8 @@ pub struct Scanner {
     down: Down,
 }
 
-/// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is a
-/// word before it.
+/// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is
+/// a word before it.
 const SPAN: usize = 2 * WINDOW;
 /// Spans that are looked at together.
 const GROUP: usize = 32;
@@ -109,7 +109,8 @@ impl Scanner {
         if noise_q8 > LEAST_NOISE_Q8 { noise_q8 } else { LEAST_NOISE_Q8 }
     }
 
-    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame before.
+    /// The next row is the first of a frame. Without this the noise of its first rows is compared with the frame
+    /// before.
     pub(crate) const fn begin_frame(&mut self) {
         self.down.begin_frame();
     }
@@ -349,7 +350,8 @@ struct Run {
 }
 
 impl Run {
-    /// Positions of the longest run that is an edge: ten times the longest blur that is told from a slope. Its sums are below 2³⁰.
+    /// Positions of the longest run that is an edge: ten times the longest blur that is told from a slope. Its sums are
+    /// below 2³⁰.
     const LONGEST: u32 = 128;
 
     const NONE: Self = Self::begin(0, 0, 0);
@@ -406,8 +408,8 @@ impl Run {
     }
 }
 
-/// A quotient in 1/65536 whose whole part and divisor have at most 16 and 20 bits: what 64-bit division would cost ten times on
-/// small cores.
+/// A quotient in 1/65536 whose whole part and divisor have at most 16 and 20 bits: what 64-bit division would cost ten
+/// times on small cores.
 fn ratio_q16(numerator: u32, denominator: u32) -> u32 {
     let split = |numerator: u32| Some((numerator.checked_div(denominator)?, numerator.checked_rem(denominator)?));
     let parts = |rest: u32| split(rest << 8);
@@ -421,8 +423,8 @@ fn ratio_q16(numerator: u32, denominator: u32) -> u32 {
 }
 
 /// Slides the difference of two windows over some positions and hands over each run of one sign beyond the noise. A run
-/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier look.
-/// Returns the last one of this look.
+/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier
+/// look. Returns the last one of this look.
 fn fine(
     pixels: &impl Pixels,
     positions: Range<usize>,
@@ -497,7 +499,8 @@ fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
     let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
     let (changing, entering) = right.split_at(WINDOW.min(right.len()));
     let mut difference = sum(changing) - sum(left);
-    // The window moves by one: what enters on the right, changes sides, and leaves on the left; behind the last one there is none.
+    // The window moves by one: what enters on the right, changes sides, and leaves on the left; behind the last one
+    // there is none.
     let mut entering = entering.iter();
     for (index, (leaves, changes)) in pixels.iter().zip(right).enumerate().take(count) {
         take(index, difference);

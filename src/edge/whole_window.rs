@@ -1,4 +1,5 @@
-//! [`WholeWindow`]: the pixels around an edge that stands alone, in a row of grey bytes: what most rows of most lines show.
+//! [`WholeWindow`]: the pixels around an edge that stands alone, in a row of grey bytes: what most rows of most lines
+//! show.
 
 use super::moments::Moments;
 use super::pixel_row::{PixelRow, Stretch};

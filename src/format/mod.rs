@@ -1,8 +1,8 @@
 //! Rows of pixels in the format in which the sensor delivers them, straight from the DMA buffer.
 //!
-//! [`Ranger::row`](crate::Ranger::row) takes anything that is [`Pixels`]: plain grey bytes (`&[u8]`, arrays, `Vec`), or one
-//! of these views of a buffer, which convert a pixel when it is looked at and nothing before. The code is made for each
-//! format that a program uses; for plain grey it is what it would be without the others.
+//! [`Ranger::row`](crate::Ranger::row) takes anything that is [`Pixels`]: plain grey bytes (`&[u8]`, arrays, `Vec`), or
+//! one of these views of a buffer, which convert a pixel when it is looked at and nothing before. The code is made for
+//! each format that a program uses; for plain grey it is what it would be without the others.
 //!
 //! | the sensor delivers | view | accuracy |
 //! | --- | --- | --- |

@@ -19,8 +19,8 @@ pub struct Counters {
     /// Lines that were refused because the table was full. A line that is refused in each of its rows counts each time.
     pub dropped_lines: u32,
     /// Rows of pixels that could not be read whole: with no place free for another line, so that only the lines under
-    /// way were looked for, with more points than the row's buffer holds, or with texture or noise everywhere that hides
-    /// edges of a contrast of 64 grey levels. What else they show is not known.
+    /// way were looked for, with more points than the row's buffer holds, or with texture or noise everywhere that
+    /// hides edges of a contrast of 64 grey levels. What else they show is not known.
     pub crowded_rows: u32,
 }
 

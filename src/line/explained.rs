@@ -7,8 +7,8 @@ use heapless::Vec;
 use super::tuning::LOOK_BESIDE_ROWS;
 use crate::edge::{EdgePoint, Polarity};
 
-/// Where the scanner's differences are those of located lines that stand alone, from left to right but for some that are
-/// near to each other: positions of the scanner, of which the one on the left of a pixel has its number.
+/// Where the scanner's differences are those of located lines that stand alone, from left to right but for some that
+/// are near to each other: positions of the scanner, of which the one on the left of a pixel has its number.
 pub(crate) type Flanks<const LINES: usize> = Vec<Range<u16>, LINES>;
 
 /// Where the windows of the scanner reach into the blur of a located line.
@@ -53,8 +53,8 @@ const LEAST_REACH_Q16: i32 = 5 << 15;
 /// Half of the scanner's window, which sees an edge so much before its flank.
 const WINDOW_Q16: i32 = 4 << 16;
 
-/// The scanner leaves out whole spans of eight pixels: what is that near to a flank, on either side, may lie in one, or its
-/// windows.
+/// The scanner leaves out whole spans of eight pixels: what is that near to a flank, on either side, may lie in one, or
+/// its windows.
 const NEAR_PX: u32 = 2 * 8 + 4;
 
 /// How far from its column a scanned point of a line may lie, in 1/65536 px: a row of a long blur may be wider than the

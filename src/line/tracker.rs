@@ -72,8 +72,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         jump.is_common().then_some(begun_in)
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what the scan may leave out. To
-    /// be called before the row is scanned.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what the scan may leave out.
+    /// To be called before the row is scanned.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,

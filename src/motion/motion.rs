@@ -59,8 +59,8 @@ pub trait Motion<S> {
         false
     }
 
-    /// Velocity in the axes of the frame-start camera and rotation rate in the camera's where both are constant, so that
-    /// a pose follows from the time alone: the solver then asks for fewer poses. `None` is always right.
+    /// Velocity in the axes of the frame-start camera and rotation rate in the camera's where both are constant, so
+    /// that a pose follows from the time alone: the solver then asks for fewer poses. `None` is always right.
     fn constant_rates(&self) -> Option<[[S; 3]; 2]> {
         None
     }

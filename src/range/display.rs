@@ -8,8 +8,8 @@ use super::status::RangeStatus;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> Display for Range<S> {
-    /// Depth and one standard deviation, with as many decimals as the deviation is worth; the lower bound at two standard
-    /// deviations where the edge is far; otherwise why there is no distance.
+    /// Depth and one standard deviation, with as many decimals as the deviation is worth; the lower bound at two
+    /// standard deviations where the edge is far; otherwise why there is no distance.
     fn fmt(&self, formatter: &mut Formatter<'_>) -> fmt::Result {
         let depth = self.depth(Sigmas(S::ONE + S::ONE));
         match (self.status, depth.estimate_m, depth.nearest_m) {

@@ -186,7 +186,8 @@ impl<S: Scalar> Solution<S> {
         over(over(self.qq) + self.c * self.c * over(self.ww))
     }
 
-    /// The change of bearing, inverse depth and tilt which costs least among those of a given change of the inverse depth.
+    /// The change of bearing, inverse depth and tilt which costs least among those of a given change of the inverse
+    /// depth.
     pub(crate) fn change_with(&self, inverse_depth: S) -> [S; 3] {
         let qq_c = self.qq * self.c;
         let across = -(qq_c * inverse_depth * over(self.ww + qq_c * self.c));

@@ -1,4 +1,5 @@
-//! [`Line3`]: the straight line in space that is fitted, in the axes of the frame-start camera. docs/model.md, section 3.
+//! [`Line3`]: the straight line in space that is fitted, in the axes of the frame-start camera. docs/model.md, section
+//! 3.
 
 use super::observation::{Observation, RowPlane};
 use super::unknowns::{Residual, Unknowns};

@@ -71,8 +71,8 @@ impl<'a, S: Scalar> Prior<'a, S> {
         Self { state: state.map(|state| (state, state.statements())), blur, width_px, left_out, is_drawn: false }
     }
 
-    /// Its equations, linearised about `at`, each with what shared errors do to it. The blur may be left out: far from the
-    /// solution it leads astray.
+    /// Its equations, linearised about `at`, each with what shared errors do to it. The blur may be left out: far from
+    /// the solution it leads astray.
     pub(super) fn equations(
         &self,
         setup: &Setup<S>,

@@ -264,8 +264,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         unknowns.inverse_depth > S::ZERO && self.observations.iter().all(has_in_front)
     }
 
-    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far behind
-    /// the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
+    /// In forward motion tilt and depth differ by a curve that is quadratic in the inverse depth, so that one as far
+    /// behind the camera may fit as well: the one in front is meant, unless it fits worse by three sigma.
     pub(super) fn settle_in_front(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
         self.settle(start)?;
         let Solved { at, found, has_settled, .. } = self.last;
@@ -292,8 +292,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         self.last.is_in_front && sigma_per_m < S::UNKNOWN && self.cost() < least
     }
 
-    /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur. The
-    /// best of those near either path is meant; where neither agrees with the positions, also of the one near these alone.
+    /// With blur and tilt there are several minima: the sign of the path during the exposure does not show in its blur.
+    /// The best of those near either path is meant; where neither agrees with the positions, also of the one near these
+    /// alone.
     pub(super) fn settle_best(&mut self) -> Result<(), FitError> {
         // The rounds of one start leave the stack before those of the next.
         let (start, rival) = self.starts();

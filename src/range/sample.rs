@@ -18,8 +18,8 @@ pub struct Sample<S> {
     pub time_s: S,
     /// One standard deviation of the column's noise in pixels.
     pub sigma_px: S,
-    /// How column, row and time vary together over the span: one standard deviation of the row, and the change of column
-    /// and time that goes with it. Zero for a point. The solver corrects for the curvature with it.
+    /// How column, row and time vary together over the span: one standard deviation of the row, and the change of
+    /// column and time that goes with it. Zero for a point. The solver corrects for the curvature with it.
     pub spread: Spread<S>,
 }
 

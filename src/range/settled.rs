@@ -61,8 +61,8 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         Sensitivity(responses.map(|response| response.change(solution)))
     }
 
-    /// q is the change of y with the inverse depth, which a relative error of the speed does not differ from; the priors
-    /// do not know of it.
+    /// q is the change of y with the inverse depth, which a relative error of the speed does not differ from; the
+    /// priors do not know of it.
     fn response_to_speed(&self) -> Response<S> {
         let (solution, rho) = (self.solution, self.at.inverse_depth);
         let mut response = Response::of_q(solution, -rho);
@@ -73,8 +73,8 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         response
     }
 
-    /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an observation,
-    /// in its sigma.
+    /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an
+    /// observation, in its sigma.
     fn errors(&self, observation: &Observation<S>) -> [S; OF_EACH] {
         let (none, rho) = (S::ZERO, self.at.inverse_depth);
         let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).whole_per_px());

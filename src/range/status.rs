@@ -18,15 +18,16 @@ pub enum RangeStatus {
     Slow,
     /// Inverse depth below minus three sigma: the slope is against the motion.
     Inconsistent,
-    /// The edge leans more than its prior allows: by its own fit, or because its blur contradicts its slope. In a sequence
-    /// that has measured the lean, only beyond [`Limits::max_lean_q16`](crate::Limits::max_lean_q16).
+    /// The edge leans more than its prior allows: by its own fit, or because its blur contradicts its slope. In a
+    /// sequence that has measured the lean, only beyond [`Limits::max_lean_q16`](crate::Limits::max_lean_q16).
     Leaning,
     /// Several frames show the edge where a static one cannot be.
     Moving,
     /// In a sequence: the line alone would be refused as cluttered or short, and too few frames agree yet.
     Tentative,
     /// No straight edge fits: a part departs by more than
-    /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the frame.
+    /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the
+    /// frame.
     Bent,
     /// So much texture around it, or so few rows that scatter so much, that this line may be one by chance.
     Cluttered,

@@ -4,8 +4,8 @@ use core::fmt::Debug;
 use core::ops::{Add, Neg, Sub};
 
 /// A part of a vector, of an equation or of a whole problem whose other parts are of about the same size: its value is
-/// itself times a power of two that all of them share. Floating point needs no such exponent, which is zero there; fixed
-/// point needs no more than one word.
+/// itself times a power of two that all of them share. Floating point needs no such exponent, which is zero there;
+/// fixed point needs no more than one word.
 ///
 /// In size below 8. Products are cut off, in fixed point, at 2⁻²⁸; sums of products are not.
 pub trait Near: Arithmetic + Debug + sealed::Sealed {

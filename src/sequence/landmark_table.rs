@@ -1,4 +1,5 @@
-//! [`LandmarkTable`]: the landmarks, sorted by where a frame should show them, and which line of the frame each one gets.
+//! [`LandmarkTable`]: the landmarks, sorted by where a frame should show them, and which line of the frame each one
+//! gets.
 
 use heapless::Vec;
 

@@ -111,8 +111,8 @@ impl<'k, S: Scalar, M: Motion<S>> Vote<'k, S, M> {
 }
 
 impl<S: Scalar> Voter<'_, S> {
-    /// How much later than `after` intervals this edge was where a line is; `None` where the line is none of its own, or
-    /// tells it too badly.
+    /// How much later than `after` intervals this edge was where a line is; `None` where the line is none of its own,
+    /// or tells it too badly.
     fn rest<M: Motion<S>>(
         &self,
         motion: &M,

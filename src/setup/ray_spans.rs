@@ -60,8 +60,8 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
         Self { camera, lens: is_near.then(|| distortion.near_lens()), nearness, last: None }
     }
 
-    /// Of the pixels from `half` before `at` to `half` after it, both column and row; `None` where the model of the lens
-    /// folds over. The inversion starts from the last one.
+    /// Of the pixels from `half` before `at` to `half` after it, both column and row; `None` where the model of the
+    /// lens folds over. The inversion starts from the last one.
     ///
     /// *Cost*: eight operations, or mostly one step of the inversion of the distortion and a short one for each end.
     pub(crate) fn span(&mut self, at: [S; 2], half: [S; 2]) -> Option<RaySpan<S::Near>> {

@@ -35,8 +35,8 @@ impl BlurredStep {
 
     /// Integral of the step, blurred by motion and lens, up to `x` pixels from the edge.
     ///
-    /// With K' = Φ(x/σ), J' = K and the motion b it is (J(x + b/2) − J(x − b/2))/b. For a small motion the quotient would
-    /// lose its digits; there the series K + b² K''/24 + b⁴ K⁗/1920 is used, good to 10⁻⁶ up to b = σ/2.
+    /// With K' = Φ(x/σ), J' = K and the motion b it is (J(x + b/2) − J(x − b/2))/b. For a small motion the quotient
+    /// would lose its digits; there the series K + b² K''/24 + b⁴ K⁗/1920 is used, good to 10⁻⁶ up to b = σ/2.
     fn area(&self, x: f32) -> f32 {
         let Self { motion, sigma, .. } = *self;
         let series = motion < 0.5 * sigma;

@@ -18,8 +18,8 @@ pub struct Contour {
     pub bow_m: f32,
     /// How far each side wanders from its line, one sigma in metres, 0 to 10⁶.
     pub roughness_m: f32,
-    /// Stretch of the edge over which the wander is alike, in metres, 10⁻⁴ to 10⁶: its correlation falls to a half over one
-    /// and to 0.05 over two of them.
+    /// Stretch of the edge over which the wander is alike, in metres, 10⁻⁴ to 10⁶: its correlation falls to a half over
+    /// one and to 0.05 over two of them.
     pub roughness_length_m: f32,
     /// Picks the wander; each side has its own.
     pub seed: u32,

@@ -17,7 +17,8 @@ impl<'b> RowEncoder<'b> {
         Self { format, bytes, column: 0 }
     }
 
-    /// The next pixel; one for which there is no room is left out. Conversions cut off what is below black and above white.
+    /// The next pixel; one for which there is no room is left out. Conversions cut off what is below black and above
+    /// white.
     pub(super) fn push(&mut self, level: f32) {
         let column = self.column;
         self.column += 1;

@@ -10,8 +10,8 @@ use crate::error::ParameterError;
 pub struct Exposure {
     /// How long each row is exposed, in seconds, 0 to 60; the row's time is the middle of it.
     pub time_s: f32,
-    /// Blur of the lens, one sigma in pixels, 0 to 20. Less than 0.05 px counts as 0.05 px: behind the pixel's own box of
-    /// 1 px there is no difference to see.
+    /// Blur of the lens, one sigma in pixels, 0 to 20. Less than 0.05 px counts as 0.05 px: behind the pixel's own box
+    /// of 1 px there is no difference to see.
     pub psf_sigma_px: f32,
     /// Read noise, one sigma in grey levels, 0 to 100.
     pub read_noise: f32,

@@ -43,7 +43,8 @@ impl<const COLUMNS: usize, const STAGES: usize> Pipeline<COLUMNS, STAGES> {
         Ok(Self { stages: stages.map(RunningStage::new) })
     }
 
-    /// Takes the next row of the sensor, in 1/256 of a grey level, and hands out the row that is finished by it, if any.
+    /// Takes the next row of the sensor, in 1/256 of a grey level, and hands out the row that is finished by it, if
+    /// any.
     ///
     /// *Cost*: for each stage and pixel one hash, a table look-up, or 9 to 10 neighbours.
     pub fn row(&mut self, sensor: &[u16; COLUMNS], mut finished: impl FnMut(&[u8; COLUMNS])) {

@@ -22,13 +22,13 @@ pub enum Stage {
     },
     /// Brighter by a factor, 0 to 100; what would be brighter than white is white.
     Gain(f32),
-    /// A grey scene seen through a Bayer mosaic (red and green in even rows) whose colours are interpolated linearly and
-    /// made grey again: soft, and not alike in even and odd columns.
+    /// A grey scene seen through a Bayer mosaic (red and green in even rows) whose colours are interpolated linearly
+    /// and made grey again: soft, and not alike in even and odd columns.
     Mosaic,
     /// Denoising by the median of 3 × 3 pixels.
     Median,
-    /// Denoising by a mean of 3 × 3 pixels that leaves out what differs by more than a sigma or so, in grey levels, 0.01
-    /// to 1000.
+    /// Denoising by a mean of 3 × 3 pixels that leaves out what differs by more than a sigma or so, in grey levels,
+    /// 0.01 to 1000.
     Bilateral(f32),
     /// A tone curve.
     Tone(ToneCurve),

@@ -1,5 +1,5 @@
-//! [`View`]: where lines in space appear in the image at one instant. It is computed per row, never per pixel, so double
-//! precision is affordable.
+//! [`View`]: where lines in space appear in the image at one instant. It is computed per row, never per pixel, so
+//! double precision is affordable.
 
 use crate::setup::Intrinsics;
 

@@ -24,8 +24,8 @@ impl<const COLUMNS: usize> Window<COLUMNS> {
         Self { rows: [[0; COLUMNS]; ROWS], next: 0, come: 0 }
     }
 
-    /// Takes a row. The window is then around that which came `REACH` rows before: its number in the frame and the rows;
-    /// `None` where no such row has come.
+    /// Takes a row. The window is then around that which came `REACH` rows before: its number in the frame and the
+    /// rows; `None` where no such row has come.
     pub(super) fn push(&mut self, row: &[u16; COLUMNS]) -> Option<(usize, Rows<'_, COLUMNS>)> {
         if self.come == 0 {
             self.rows = [*row; ROWS];

@@ -113,8 +113,8 @@ impl Firmware {
         Ok(size)
     }
 
-    /// Refuses a program that holds arithmetic of another number type than its own: doubles in single precision, and any
-    /// floating point in fixed point.
+    /// Refuses a program that holds arithmetic of another number type than its own: doubles in single precision, and
+    /// any floating point in fixed point.
     pub(crate) fn ensure_own_arithmetic(&self, program: &str) -> Result<()> {
         let foreign: &[&[&str]] = match self.backend {
             BackEnd::F32 | BackEnd::Micro => &[&OF_DOUBLES],

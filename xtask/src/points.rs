@@ -1,4 +1,5 @@
-//! [`Edge`]: an upright edge and the points that a turning camera with a lens sees of it; shares no formula with the library.
+//! [`Edge`]: an upright edge and the points that a turning camera with a lens sees of it; shares no formula with the
+//! library.
 
 use rand::Rng;
 use rand::rngs::StdRng;

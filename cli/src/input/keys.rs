@@ -1,4 +1,5 @@
-//! [`Section`]: typed values of a section of a setup file. Every error names the key, its value and what would be right.
+//! [`Section`]: typed values of a section of a setup file. Every error names the key, its value and what would be
+//! right.
 
 use anyhow::{Error, Result, anyhow, bail};
 use toml::{Table, Value};

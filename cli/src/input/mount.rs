@@ -39,7 +39,8 @@ impl Mount {
         self.axes.map(|axis| dot(axis, vector))
     }
 
-    /// The camera's velocity, where the robot has this one and turns: a camera off the robot's centre is swept around it.
+    /// The camera's velocity, where the robot has this one and turns: a camera off the robot's centre is swept around
+    /// it.
     pub(crate) fn velocity_in_camera(&self, velocity_m_s: [f64; 3], rate_rad_s: [f64; 3]) -> [f64; 3] {
         let swept = self.swept(rate_rad_s);
         self.in_camera(std::array::from_fn(|axis| velocity_m_s[axis] + swept[axis]))

@@ -1,5 +1,5 @@
-//! [`TableFile`]: a CSV file with named columns. Every error names the line of the file, the column, its value and what would
-//! be right.
+//! [`TableFile`]: a CSV file with named columns. Every error names the line of the file, the column, its value and what
+//! would be right.
 
 use anyhow::{Error, Result, anyhow, bail};
 

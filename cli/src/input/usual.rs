@@ -1,5 +1,5 @@
-//! [`Usual`]: refuses values that are possible but hardly ever meant, such as milliseconds for seconds, unless the setup
-//! says that they are.
+//! [`Usual`]: refuses values that are possible but hardly ever meant, such as milliseconds for seconds, unless the
+//! setup says that they are.
 
 use std::fmt::{self, Display, Formatter};
 

@@ -56,7 +56,8 @@ impl Canvas {
         }
     }
 
-    /// A line of this width from one row to another. A flat line takes several columns of each row, so that it has no gaps.
+    /// A line of this width from one row to another. A flat line takes several columns of each row, so that it has no
+    /// gaps.
     pub(crate) fn line(&mut self, from: (f64, u16), to: (f64, u16), width: i64, colour: Rgb<u8>) {
         let (first_row, last_row) = (i64::from(from.1), i64::from(to.1));
         let slope = (to.0 - from.0) / (last_row - first_row).max(1) as f64;

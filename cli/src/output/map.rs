@@ -62,7 +62,8 @@ impl Map {
         }
     }
 
-    /// The camera goes on to the next frame; `None` where its motion is not known: what comes then has no place on the map.
+    /// The camera goes on to the next frame; `None` where its motion is not known: what comes then has no place on the
+    /// map.
     pub(crate) fn advance(&mut self, pose: Option<&Pose<f64>>) {
         self.place = self.place.zip(pose).map(|((rotation, position), pose)| {
             let columns = transposed(&pose.rotation);

@@ -56,8 +56,8 @@ impl FrameSequence {
         &self.setup
     }
 
-    /// Begins the next frame; `to_next_s` is how long it is from its start to that of the one after, and `exposure_s` its
-    /// own exposure, where it has one.
+    /// Begins the next frame; `to_next_s` is how long it is from its start to that of the one after, and `exposure_s`
+    /// its own exposure, where it has one.
     pub(crate) fn advance(
         &mut self,
         motion: &MotionInFrame<'_>,

@@ -22,7 +22,8 @@ impl Painted {
         let bottom = top.saturating_sub(bytes) & !3;
         let mut at = bottom;
         while at < top - Self::OWN {
-            // SAFETY: free stack: the map leaves the caller more of it than it asks for, and nothing lives below its frame.
+            // SAFETY: free stack: the map leaves the caller more of it than it asks for, and nothing lives below its
+            // frame.
             unsafe { (at as *mut u32).write_volatile(PAINT) };
             at += 4;
         }
