@@ -104,22 +104,12 @@ impl<P: Pixels> PixelRow<'_, P> {
             2 * (a + b) - (e + f + g + h)
         };
         let levels = |from: usize| {
-            let mut levels = [0; FAR];
-            match self.pixels.grey() {
-                Some(grey) => {
-                    let grey = grey.get(from..from + FAR).unwrap_or_default();
-                    levels.iter_mut().zip(grey).for_each(|(level, grey)| *level = i16::from(*grey));
-                }
-                None => {
-                    let levels_q8 = self.pixels.levels_q8(from..from + FAR);
-                    levels.iter_mut().zip(levels_q8).for_each(|(level, level_q8)| *level = (level_q8 >> 8) as i16);
-                }
-            }
-            levels
+            let mut buffer = [0; FAR];
+            grey(&self.pixels, from..from + FAR, &mut buffer).first_chunk().map(|levels| levels.map(i16::from))
         };
-        let mut mirrored = levels(left);
+        let mut mirrored = levels(left)?;
         mirrored.reverse();
-        Some([fall(mirrored), fall(levels(right))])
+        Some([fall(mirrored), fall(levels(right)?)])
     }
 
     /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.

@@ -37,7 +37,7 @@ pub(super) const NOISE_SIGMAS: u32 = 4;
 
 /// Where that is texture, more than twice the noise, so many do: what is usual in the whole row says little of a place,
 /// and which lines are texture is decided along them (`clutter::an_edge_fainter_than_texture_elsewhere`; with two of
-/// them the points of texture crowd out those of edges).
+/// them texture hides the edges).
 pub(super) const TEXTURE_SIGMAS: u32 = 3;
 
 /// The largest difference of an edge exceeds so many halves of a sigma of noise: four sigma are exceeded by chance in

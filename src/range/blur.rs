@@ -42,8 +42,8 @@ const PATH_STEPS: usize = 2;
 /// the corners, and not everything is in focus.
 const SOFTER: (i32, i32) = (3, 2);
 
-/// How far the width of an edge without a halo may be below the expected one, as a sigma of its logarithm, whatever
-/// the camera: only sharpening makes edges much narrower, and it leaves a halo (`false_distances::of_leaning_bars` with
+/// How far the width of an edge without a halo may be below the expected one, as a sigma of its logarithm, where
+/// none is stated: only sharpening makes edges much narrower, and it leaves a halo (`false_distances::of_leaning_bars` with
 /// more, `real_cameras` with half of it).
 const UNSHARPENED: (i32, i32) = (1, 8);
 
@@ -76,7 +76,9 @@ impl<S: Scalar> BlurMeasurement<S> {
         };
         let sigma_blur = setup.sigma_blur();
         let unsharpened = S::ratio(UNSHARPENED.0, UNSHARPENED.1);
-        let sigma_narrow = if line.may_be_sharpened() { sigma_blur } else { sigma_blur.min(unsharpened) };
+        // What is stated holds as it is.
+        let is_as_wide = blur.sigma_blur.is_some() || line.may_be_sharpened();
+        let sigma_narrow = if is_as_wide { sigma_blur } else { sigma_blur.min(unsharpened) };
         Some(Self {
             sweeps: [sweep(place)?, sweep(S::ONE - place)?],
             measured_px2: line.mean_square_width_px2(width_px, width_sigma_px),

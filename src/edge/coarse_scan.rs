@@ -1,0 +1,156 @@
+//! [`coarse`]: where a row may have edges, from sums of four pixels at every second boundary.
+
+use core::ops::Range;
+
+use super::noise::WINDOW;
+use super::pixel_row::grey;
+use crate::format::Pixels;
+
+/// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is
+/// a word before it.
+const SPAN: usize = 2 * WINDOW;
+/// Spans that are looked at together.
+const GROUP: usize = 32;
+
+/// Sums of the four pixels of a word two by two, one in each half.
+fn pairs(word: &[u8]) -> u32 {
+    const EVEN: u32 = 0x00ff_00ff;
+    let Some(word) = word.first_chunk::<WINDOW>() else { return 0 };
+    if cfg!(target_has_atomic = "32") {
+        let word = u32::from_le_bytes(*word);
+        (word & EVEN) + ((word >> 8) & EVEN)
+    } else {
+        // Where there is no atomic word, none is loaded from any address either.
+        let [a, b, c, d] = word.each_ref().map(|pixel| u32::from(*pixel));
+        (a + b) + ((c + d) << 16)
+    }
+}
+
+/// Compares sums of four pixels with those of the four before them at every second boundary, word by word: two of them
+/// in the halves of a number.
+#[derive(Clone, Copy)]
+struct Comparison {
+    /// Pairs of the word whose turn is next.
+    pairs: u32,
+    /// Sums that begin with the word before and in its middle, and the same with what lifts a difference beyond the
+    /// limit into the highest bit of its half.
+    sums: u32,
+    lifted: u32,
+    lift: u32,
+}
+
+impl Comparison {
+    const HIGHEST: u32 = 0x8000_8000;
+    /// No difference of two sums is larger.
+    const MOST: u32 = WINDOW as u32 * 255;
+
+    /// Begins with the first two words of a row.
+    fn begin(limit: u32, first: &[u8]) -> Self {
+        let lift = (0x7fff - limit.min(Self::MOST)) * 0x0001_0001;
+        let (first, second) = first.split_at(WINDOW.min(first.len()));
+        let mut begun = Self { pairs: pairs(first), sums: 0, lifted: 0, lift };
+        begun.advance(pairs(second));
+        begun
+    }
+
+    /// Goes on by a word; a bit of [`Comparison::HIGHEST`] is set where a difference is beyond the limit. No half
+    /// overflows.
+    const fn advance(&mut self, next: u32) -> u32 {
+        let sums = self.pairs + ((self.pairs >> 16) | (next << 16));
+        let lifted = sums + self.lift;
+        let beyond = lifted.wrapping_sub(self.sums) | self.lifted.wrapping_sub(sums);
+        (self.pairs, self.sums, self.lifted) = (next, sums, lifted);
+        beyond
+    }
+
+    /// Goes on by all spans of a group; whether there is a difference beyond the limit in any of them.
+    #[inline(never)] // all of it then fits into the registers
+    fn any_of(&mut self, group: &[u8]) -> bool {
+        let mut comparison = *self;
+        let any = group.chunks_exact(SPAN).fold(0, |any, span| any | comparison.span(span));
+        *self = comparison;
+        any & Self::HIGHEST != 0
+    }
+
+    /// Goes on by the two words of a span, and compares at the four boundaries from its last word but two on.
+    fn span(&mut self, span: &[u8]) -> u32 {
+        let (first, second) = span.split_at(WINDOW.min(span.len()));
+        self.advance(pairs(first)) | self.advance(pairs(second))
+    }
+}
+
+/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit: of the
+/// columns that are asked for, if any are, and without spans with explained positions.
+pub(super) fn coarse(
+    pixels: &impl Pixels,
+    limit: u32,
+    asked: Option<&[Range<u16>]>,
+    explained: &[Range<u16>],
+    mut stretch: impl FnMut(usize, usize),
+) {
+    let is_asked = |span| asked.is_none_or(|asked| asked.iter().any(|columns| spans_of(columns).contains(&span)));
+    let mut buffer = [0; SPAN * GROUP];
+    let mut open: Option<(usize, usize)> = None;
+    let spans = pixels.columns() / SPAN;
+    for gap in unexplained(explained, spans) {
+        let before = grey(pixels, (gap.start - 1) * SPAN..gap.start * SPAN, &mut buffer);
+        let mut comparison = Comparison::begin(limit, before);
+        for at in gap.clone().step_by(GROUP) {
+            let group = grey(pixels, at * SPAN..(at + GROUP).min(gap.end) * SPAN, &mut buffer);
+            let before = comparison;
+            if comparison.any_of(group) {
+                comparison = before;
+                for (index, span) in group.chunks_exact(SPAN).enumerate() {
+                    if comparison.span(span) & Comparison::HIGHEST != 0 && is_asked(at + index) {
+                        add_stretch(&mut open, at + index, &mut stretch);
+                    }
+                }
+            }
+        }
+    }
+    if !pixels.columns().is_multiple_of(SPAN) && has_edge_in_tail(pixels, limit) {
+        add_stretch(&mut open, spans.max(2) - 1, &mut stretch);
+        add_stretch(&mut open, spans.max(2), &mut stretch);
+    }
+    if let Some((start, end)) = open {
+        stretch(start * SPAN - WINDOW, end * SPAN - WINDOW);
+    }
+}
+
+/// Whether there is such a difference at the last boundaries of a row: where its pixels make no whole spans.
+fn has_edge_in_tail(pixels: &impl Pixels, limit: u32) -> bool {
+    let mut buffer = [0; 2 * SPAN];
+    let tail = grey(pixels, pixels.columns().saturating_sub(2 * SPAN)..pixels.columns(), &mut buffer);
+    let (first, last) = tail.split_at(SPAN.min(tail.len()));
+    Comparison::begin(limit, first).span(last) & Comparison::HIGHEST != 0
+}
+
+/// The spans that positions lie in.
+fn spans_of(positions: &Range<u16>) -> Range<usize> {
+    let span_of = |position: u16| (usize::from(position) + WINDOW) / SPAN;
+    span_of(positions.start)..span_of(positions.end) + 1
+}
+
+/// The spans of a row, but for the first and those with explained positions: what is between these.
+fn unexplained(explained: &[Range<u16>], spans: usize) -> impl Iterator<Item = Range<usize>> {
+    let flanks = explained.iter().map(spans_of).map(move |flank| (flank.start.min(spans), flank.end));
+    let mut from = 1;
+    let gaps = flanks.chain([(spans, spans)]).map(move |(start, end)| {
+        let gap = from..start;
+        from = from.max(end);
+        gap
+    });
+    gaps.filter(|gap| !gap.is_empty())
+}
+
+/// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
+fn add_stretch(open: &mut Option<(usize, usize)>, span: usize, stretch: &mut impl FnMut(usize, usize)) {
+    match open {
+        Some((_, end)) if span <= *end => *end = span + 1,
+        _ => {
+            if let Some((start, end)) = open.replace((span, span + 1)) {
+                stretch(start * SPAN - WINDOW, end * SPAN - WINDOW);
+            }
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! [`fine`]: the points of edges in a stretch of a row, from the difference of two windows that slides over it.
+
+use core::ops::Range;
+
+use super::noise::WINDOW;
+use super::pixel_row::grey;
+use super::scanned_point::ScannedPoint;
+use crate::format::Pixels;
+
+/// Differences that are reckoned together.
+const SLIDE: usize = 16;
+/// Sum of squares of the offsets in the sliding difference, per unit of its area: its own variance as a blur, times 2.
+const OWN_VARIANCE_Q1: u32 = 5;
+
+/// Sums over a run of differences of one sign, in 32 bits up to [`Run::LONGEST`].
+#[derive(Clone, Copy)]
+struct Run {
+    /// Zero where there is none.
+    sign: i32,
+    /// Position of the run's first difference.
+    start: usize,
+    area: u32,
+    moment: u32,
+    second: u32,
+    length: u32,
+    peak: i32,
+    /// Lowest difference since the peak.
+    valley: i32,
+}
+
+impl Run {
+    /// Positions of the longest run that is an edge: ten times the longest blur that is told from a slope. Its sums are
+    /// below 2³⁰.
+    const LONGEST: u32 = 128;
+
+    const NONE: Self = Self::begin(0, 0, 0);
+
+    const fn begin(sign: i32, start: usize, size: i32) -> Self {
+        Self { sign, start, area: size as u32, moment: 0, second: 0, length: 1, peak: size, valley: size }
+    }
+
+    const fn end(&self) -> usize {
+        self.start + self.length as usize
+    }
+
+    fn extend(&mut self, size: i32) {
+        if self.length < Self::LONGEST {
+            let moment = size as u32 * self.length;
+            self.area += size as u32;
+            self.moment += moment;
+            self.second += moment * self.length;
+        }
+        self.length = self.length.saturating_add(1);
+        if size >= self.peak {
+            (self.peak, self.valley) = (size, size);
+        } else {
+            self.valley = self.valley.min(size);
+        }
+    }
+
+    /// Whether a second peak begins, after a valley of less than half the first one's height: another edge.
+    fn rises_again(&self, size: i32, least: i32) -> bool {
+        self.valley * 2 < self.peak && size > self.valley + least.max(self.peak / 4)
+    }
+
+    fn edge(&self, noise_q8: u32) -> Option<ScannedPoint> {
+        if self.length > Self::LONGEST {
+            return None;
+        }
+        // A step of contrast A adds up to 16 A.
+        let contrast = (self.area + 8) >> 4;
+        let off_q16 = ratio_q16(self.moment, self.area);
+        // Position k is the boundary between pixels k − 1 and k.
+        let column_q16 = ((self.start as i64) << 16) + i64::from(off_q16) - (1 << 15);
+        let square_q16 = (u64::from(off_q16) * u64::from(off_q16)) >> 16;
+        let variance_q16 = ratio_q16(self.second, self.area).saturating_sub(square_q16 as u32);
+        // Not below the blur of a pixel alone.
+        let blur_q16 = variance_q16.saturating_sub(OWN_VARIANCE_Q1 << 15).max(1 << 13);
+        let root_q4 = (self.length << 8).isqrt();
+        let sigma_q16 = ((noise_q8 << 4).saturating_mul(root_q4)).checked_div(contrast.max(1)).unwrap_or(u32::MAX);
+        Some(ScannedPoint {
+            column_q16: i32::try_from(column_q16).ok()?,
+            sigma_q16: sigma_q16.max(1),
+            width_q8: u16::try_from(blur_q16.isqrt()).ok()?,
+            contrast: i16::try_from(contrast as i32 * self.sign).ok()?,
+        })
+    }
+}
+
+/// A quotient in 1/65536 whose whole part and divisor have at most 16 and 20 bits: what 64-bit division would cost ten
+/// times on small cores.
+fn ratio_q16(numerator: u32, denominator: u32) -> u32 {
+    let split = |numerator: u32| Some((numerator.checked_div(denominator)?, numerator.checked_rem(denominator)?));
+    let parts = |rest: u32| split(rest << 8);
+    split(numerator)
+        .and_then(|(whole, rest)| {
+            let (upper, rest) = parts(rest)?;
+            let (lower, _) = parts(rest)?;
+            Some((whole << 16) + (upper << 8) + lower)
+        })
+        .unwrap_or(0)
+}
+
+/// Slides the difference of two windows over some positions and hands over each run of one sign beyond the noise. A run
+/// that only partly lies there is followed to both its ends, but not before `seen`, the last position of an earlier
+/// look. Returns the last one of this look.
+pub(super) fn fine(
+    pixels: &impl Pixels,
+    positions: Range<usize>,
+    seen: usize,
+    (least, noise_q8): (i32, u32),
+    found: &mut impl FnMut(ScannedPoint),
+) -> usize {
+    // Position k compares the pixels before k with those from there on, four of each.
+    let (Some(last), earliest) = (pixels.columns().checked_sub(WINDOW), seen.max(WINDOW)) else { return seen };
+    let (end, end_of_row) = (positions.end.min(last + 1), last + 1);
+    let start = positions.start.max(earliest);
+    if start >= end {
+        return seen;
+    }
+    let first = before_run(pixels, start, earliest, least);
+    // What begins a row may have begun before it, and its centroid would be off.
+    let is_whole = |run: &Run| run.start > first;
+    let mut run = Run::NONE;
+    let mut followed = end;
+    let mut close = |run: &Run| {
+        followed = followed.max(run.end());
+        if let Some(edge) = run.edge(noise_q8).filter(|_| is_whole(run)) {
+            found(edge);
+        }
+    };
+    let mut buffer = [0; SLIDE + 2 * WINDOW];
+    let mut next = first;
+    while next < end || next < end_of_row && run.sign != 0 && is_whole(&run) {
+        let count = SLIDE.min(if next < end { end } else { end_of_row } - next);
+        let at = next - WINDOW;
+        let rest = grey(pixels, at..at + SLIDE + 2 * WINDOW, &mut buffer);
+        slide(rest, count, |index, difference| {
+            let (size, position) = (difference.abs(), next + index);
+            let sign = if size > least { difference.signum() } else { 0 };
+            if sign == 0 && run.sign == 0 {
+                return;
+            }
+            if sign == run.sign && !run.rises_again(size, least) {
+                run.extend(size);
+                return;
+            }
+            if run.sign != 0 {
+                close(&run);
+            }
+            run = if position < end { Run::begin(sign, position, size) } else { Run::NONE };
+        });
+        next += count;
+    }
+    // A run that has not ended by the end of the row reaches beyond it.
+    followed - 1
+}
+
+/// The position before the run that `position` is in, or `position` itself; not before `earliest`.
+fn before_run(pixels: &impl Pixels, position: usize, earliest: usize, least: i32) -> usize {
+    let sign_at = |position: usize| {
+        let mut buffer = [0; 2 * WINDOW];
+        let around = grey(pixels, position - WINDOW..position + WINDOW, &mut buffer);
+        let (left, right) = around.split_at(WINDOW.min(around.len()));
+        let difference = sum(right) - sum(left);
+        if difference.abs() > least { difference.signum() } else { 0 }
+    };
+    let sign = sign_at(position);
+    let mut before = position;
+    while sign != 0 && before > earliest && sign_at(before) == sign {
+        before -= 1;
+    }
+    before
+}
+
+/// Hands over the first `count` sliding differences.
+fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
+    let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
+    let (changing, entering) = right.split_at(WINDOW.min(right.len()));
+    let mut difference = sum(changing) - sum(left);
+    // The window moves by one: what enters on the right, changes sides, and leaves on the left; behind the last one
+    // there is none.
+    let mut entering = entering.iter();
+    for (index, (leaves, changes)) in pixels.iter().zip(right).enumerate().take(count) {
+        take(index, difference);
+        let enters = entering.next().map_or(0, |pixel| i32::from(*pixel));
+        difference += enters - 2 * i32::from(*changes) + i32::from(*leaves);
+    }
+}
+
+fn sum(pixels: &[u8]) -> i32 {
+    pixels.iter().map(|pixel| i32::from(*pixel)).sum()
+}
