@@ -108,8 +108,12 @@ pub(crate) struct Observation<S: Scalar> {
     /// Bearings to the right and downwards in the camera's axes at that time, in the unit of the ray.
     pub(super) near_bearings: [S::Near; 2],
     pub(crate) time_s: S,
+    /// Number of rows that it is the mean of, at least one.
+    pub(super) rows: S,
+    /// Stated noise.
     pub(crate) sigma_px: S,
-    pub(crate) per_sigma: S,
+    /// One over the sigma that a fit takes it with: of its noise, or also of the edge.
+    pub(super) per_sigma: S,
     /// False once the robust fit has rejected it.
     pub(crate) is_inlier: bool,
 }
@@ -162,6 +166,8 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
             normals,
             near_bearings: span.middle,
             time_s: sample.time_s,
+            // n rows have a variance of n²/12.
+            rows: (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE),
             sigma_px,
             per_sigma: over(sigma_px),
             is_inlier: true,
@@ -283,10 +289,6 @@ impl<S: Scalar> Observation<S> {
     /// Bearings to the right and downwards in the camera's axes at that time.
     pub(super) fn bearings(&self) -> [S; 2] {
         self.near_bearings.map(|part| S::of_near(part, self.normals.units.ray()))
-    }
-
-    pub(super) fn with_sigma(self, sigma_px: S) -> Self {
-        Self { sigma_px, per_sigma: over(sigma_px), ..self }
     }
 }
 

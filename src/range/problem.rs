@@ -10,7 +10,6 @@ use super::tuning::{
     FULL_ROUNDS, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART, SETTLED_PART,
 };
 use super::unknowns::{NearUnknowns, Unknowns};
-use super::wander::Stretch;
 use crate::error::FitError;
 use crate::scalar::{Arithmetic, Near, Scalar, over};
 use crate::setup::Setup;
@@ -20,8 +19,6 @@ pub(super) struct Problem<'a, S: Scalar, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) prior: &'a Prior<'a, S>,
     pub(super) observations: Vec<Observation<S>, N>,
-    /// The parts of the edge that these are of.
-    pub(super) stretches: Vec<Stretch<S>, N>,
     pub(super) equations: Equations<S, N>,
     pub(super) last: Solved<S>,
 }
@@ -83,7 +80,8 @@ fn observe<S: Scalar>(
         return Some((Equation::NEAR_NOTHING, EquationUnits::SMALLEST, residual.is_in_front()));
     }
     // A pixel along the row in units of the noise.
-    let per_miss = observation.per_sigma / residual.per_px();
+    let px_per_miss = S::ONE / residual.per_px();
+    let per_miss = observation.per_sigma * px_per_miss;
     // So small that no sum of products leaves the range.
     let scale = per_miss.size() + 1;
     let near_per_miss = per_miss.near(scale);
@@ -93,9 +91,9 @@ fn observe<S: Scalar>(
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
     let change = if round == Round::Later { at.change_along_row(normals) } else { [none; 2] };
     if change != [none; 2] {
-        let off_px = S::of_near(y, units.y()) * observation.sigma_px;
-        let ([one_per_px, q_per_px], off) = (change, off_px.near(-normals.units.per_px()));
-        (one, q) = (one.plus_product(one_per_px, off), q.plus_product(q_per_px, off));
+        let miss_px = S::of_near(miss, -finer) * px_per_miss;
+        let ([one_per_px, q_per_px], off) = (change, miss_px.near(-normals.units.per_px()));
+        (one, q) = (one.minus_product(one_per_px, off), q.minus_product(q_per_px, off));
     }
     let [one, q, w] = [one, q, residual.per_tilt].map(|part| part.times(near_per_miss));
     Some((Equation { one, q, w, y }, units, residual.is_in_front()))
@@ -104,6 +102,15 @@ fn observe<S: Scalar>(
 /// That of all.
 fn reach_of<S: Scalar>(observations: &[Observation<S>]) -> i32 {
     observations.first().map_or(0, |observation| observation.normals.units.reach())
+}
+
+impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
+    /// Without observations.
+    // Not inlined: what it is made of would stay on the stack beside it.
+    #[inline(never)]
+    pub(super) fn new(setup: &'a Setup<S>, prior: &'a Prior<'a, S>) -> Self {
+        Self { setup, prior, observations: Vec::new(), equations: Equations::new(), last: Solved::NOTHING }
+    }
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {

@@ -191,7 +191,8 @@ impl<S: Scalar> Landmark<S> {
         let is_refuted = is_unsure && (matched.has_moved || self.frames == 2 && matched.is_doubtful);
         let begins_anew = has_moved || is_refuted;
         let earlier = (!begins_anew).then_some(&self.state);
-        let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
+        let mut state = None;
+        let range = Range::continued(setup, motion, line, earlier, left_out, &mut state);
         match &state {
             Some(state) if is_informative(range.status) => {
                 let is_second = self.frames == 1 && !begins_anew;
