@@ -199,7 +199,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = axes.with(*at).direction();
         let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
-        state.sensitivity = settled.sensitivity();
+        settled.sensitivity(&mut state.sensitivity);
         state.line3 = axes.with(*found);
         // Between several places the rounds tell nothing of the depth.
         let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];

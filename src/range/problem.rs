@@ -254,6 +254,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only
     /// if that moves the estimate.
+    #[inline(never)]
     pub(super) fn settle_again(&mut self) -> Result<(), FitError> {
         let solution = solve(&mut self.equations);
         let found = self.last.at.moved(solution.change());

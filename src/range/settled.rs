@@ -28,19 +28,27 @@ pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
 }
 
 impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
+    // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
     #[inline(never)]
-    pub(super) fn sensitivity(&self) -> Sensitivity<S> {
+    pub(super) fn sensitivity(&self, sensitivity: &mut Sensitivity<S>) {
+        let responses = self.responses();
+        for (effect, response) in sensitivity.0.iter_mut().zip(&responses) {
+            *effect = response.change(self.solution);
+        }
+    }
+
+    #[inline(never)]
+    fn responses(&self) -> [Response<S>; SHARED_ERRORS] {
         let Self { setup, prior, observations, equations, at, solution, .. } = self;
         // What is in the prior moves no observation.
         let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
         let counts = SharedError::ALL.map(counts);
         let mut responses = [Response::NONE; SHARED_ERRORS];
         let [_, _, speed, of_each @ ..] = &mut responses;
-        let [.., speed_counts, _, _, _, _, _] = counts;
+        let [_, _, speed_counts, counts @ ..] = counts;
         if speed_counts {
             *speed = self.response_to_speed();
         }
-        let [_, _, _, counts @ ..] = counts;
         let inliers = observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.is_inlier);
         for (observation, equation) in inliers.filter(|_| counts != [false; OF_EACH]) {
             let (equation, errors) = (&equation.whole(equations.units), self.errors(observation));
@@ -58,7 +66,7 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
                 }
             }
         });
-        Sensitivity(responses.map(|response| response.change(solution)))
+        responses
     }
 
     /// q is the change of y with the inverse depth, which a relative error of the speed does not differ from; the
@@ -75,6 +83,7 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
 
     /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an
     /// observation, in its sigma.
+    #[inline(never)]
     fn errors(&self, observation: &Observation<S>) -> [S; OF_EACH] {
         let (none, rho) = (S::ZERO, self.at.inverse_depth);
         let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).whole_per_px());

@@ -14,8 +14,8 @@ const SPENT: usize = 2;
 
 const PS_PER_S: i64 = 1_000_000_000_000;
 
-/// The variance of a stretch of the edge, of a wander of 1 px that is alike over a number of rows. Within these averaging
-/// does not reduce it, and shorter stretches share it with their neighbours.
+/// The variance of a stretch of the edge, of a wander of 1 px that is alike over a number of rows. Within these
+/// averaging does not reduce it, and shorter stretches share it with their neighbours.
 fn variance_of_wander<S: Scalar>(stretch: &Observation<S>, alike_rows: S) -> S {
     (alike_rows / stretch.rows).max(S::ONE)
 }
