@@ -19,7 +19,7 @@ use super::estimate::Estimate;
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::line3::Line3;
-use super::observation::{Observation, Observer};
+use super::observation::Observer;
 use super::prior::{Prior, SampleSet};
 use super::problem::{Problem, Solved};
 use super::sample::{Sample, Spread};
@@ -131,11 +131,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
                 return Err(FitError::InvalidSample(index));
             }
-            let seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
-            let is_rough = roughness_px > S::ZERO;
-            let per_sigma = if is_rough { over(rough_sigma_px(&seen, roughness_px)) } else { seen.per_sigma };
-            let observation = Observation { is_inlier: !prior.left_out.contains(index), per_sigma, ..seen };
-            self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
+            let mut seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
+            if roughness_px > S::ZERO {
+                seen.per_sigma = over(rough_sigma_px(&seen, roughness_px));
+            }
+            seen.is_inlier = !prior.left_out.contains(index);
+            self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
         }
         self.share_reach();
         Ok(())

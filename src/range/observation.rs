@@ -231,6 +231,11 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         if let Some(passage) = self.steady.as_ref().and_then(|rates| rates.passage::<S>(time_s, half_s)) {
             return passage;
         }
+        self.passage_by_pose(time_s, half_s)
+    }
+
+    #[inline(never)]
+    fn passage_by_pose(&self, time_s: S, half_s: S) -> Passage<S::Near> {
         let pose = self.motion.pose(time_s);
         let (position, half_position) = (pose.position_m, scale(pose.velocity_m_s, half_s));
         let reach = size_of_all(position).max(size_of_all(half_position)) + 1;

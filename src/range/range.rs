@@ -103,19 +103,18 @@ impl<S: Scalar> Range<S> {
         let state = known.insert(LineState::NOTHING);
         let filled = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, state)
             .and_then(|fitted| range.fill(setup, motion, line, (&fitted, state), earlier.is_none()));
+        if let (Ok(()), Some(blur)) = (filled, &blur) {
+            range.compare_with_blur(blur, &state.line3, blur_enters);
+        }
         match filled {
-            Ok(()) => {
-                if let Some(blur) = &blur {
-                    range.compare_with_blur(blur, &state.line3, blur_enters);
-                }
-                return range;
-            }
             Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
             Err(FitError::Diverged) => range.status = status_of(setup, line, &range.estimate),
             // A line of too few knots; the others cannot come from a line.
-            Err(_) => {}
+            Ok(()) | Err(_) => {}
         }
-        *known = None;
+        if filled.is_err() {
+            *known = None;
+        }
         range
     }
 
@@ -138,6 +137,7 @@ impl<S: Scalar> Range<S> {
     }
 
     /// A line of which nothing but its place in the image is known.
+    #[inline(never)]
     fn unfitted<const KNOTS: usize>(line: &Line<KNOTS>) -> Self {
         let (top, bottom) = line.top_and_bottom();
         Self {

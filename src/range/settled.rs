@@ -1,7 +1,7 @@
 //! [`Settled`]: what shared errors do to a fit that has settled. docs/model.md, section 6.
 
 use super::equation::Equations;
-use super::least_squares::{Response, Solution};
+use super::least_squares::Solution;
 use super::observation::Observation;
 use super::prior::Prior;
 use super::sensitivity::Sensitivity;
@@ -30,55 +30,55 @@ pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
 impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
     // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
     #[inline(never)]
-    pub(super) fn sensitivity(&self, sensitivity: &mut Sensitivity<S>) {
-        let responses = self.responses();
-        for (effect, response) in sensitivity.0.iter_mut().zip(&responses) {
-            *effect = response.change(self.solution);
+    pub(super) fn sensitivity(&self, Sensitivity(effects): &mut Sensitivity<S>) {
+        *effects = [[S::ZERO; 3]; SHARED_ERRORS];
+        self.respond_of_observations(effects);
+        self.respond_of_priors(effects);
+        for effect in effects {
+            *effect = self.solution.change_by(*effect);
         }
     }
 
     #[inline(never)]
-    fn responses(&self) -> [Response<S>; SHARED_ERRORS] {
-        let Self { setup, prior, observations, equations, at, solution, .. } = self;
+    fn respond_of_observations(&self, [_, _, speed, of_each @ ..]: &mut [[S; 3]; SHARED_ERRORS]) {
+        let Self { setup, observations, equations, at, solution, .. } = self;
         // What is in the prior moves no observation.
         let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
-        let counts = SharedError::ALL.map(counts);
-        let mut responses = [Response::NONE; SHARED_ERRORS];
-        let [_, _, speed, of_each @ ..] = &mut responses;
-        let [_, _, speed_counts, counts @ ..] = counts;
+        let [_, _, speed_counts, counts @ ..] = SharedError::ALL.map(counts);
         if speed_counts {
-            *speed = self.response_to_speed();
+            // q is the change of y with the inverse depth, which a relative error of the speed does not differ from.
+            *speed = solution.response_of_q(-at.inverse_depth);
         }
         let inliers = observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.is_inlier);
         for (observation, equation) in inliers.filter(|_| counts != [false; OF_EACH]) {
             let (equation, errors) = (&equation.whole(equations.units), self.errors(observation));
             for ((response, error), _) in of_each.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
-                response.add(solution, equation, error);
+                solution.respond(response, equation, error);
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn respond_of_priors(&self, effects: &mut [[S; 3]; SHARED_ERRORS]) {
+        let Self { setup, prior, equations, at, solution, .. } = self;
+        let [_, _, speed, ..] = effects;
+        if *speed != [S::ZERO; 3] {
+            // The priors do not know of it.
+            for equation in &equations.prior {
+                let [q, _] = solution.uncentred(equation);
+                solution.respond(speed, equation, at.inverse_depth * q);
             }
         }
         let mut equations_of_prior = equations.prior.iter();
         prior.equations(setup, at, true, |_, prior_error| {
             let Some(equation) = equations_of_prior.next() else { return };
-            for (index, (response, error)) in responses.iter_mut().zip(SharedError::ALL).enumerate() {
+            for (index, (response, error)) in effects.iter_mut().zip(SharedError::ALL).enumerate() {
                 let error = prior_error.of(index, error);
                 if error != S::ZERO {
-                    response.add(solution, equation, error);
+                    solution.respond(response, equation, error);
                 }
             }
         });
-        responses
-    }
-
-    /// q is the change of y with the inverse depth, which a relative error of the speed does not differ from; the
-    /// priors do not know of it.
-    fn response_to_speed(&self) -> Response<S> {
-        let (solution, rho) = (self.solution, self.at.inverse_depth);
-        let mut response = Response::of_q(solution, -rho);
-        for equation in &self.equations.prior {
-            let [q, _] = solution.uncentred(equation);
-            response.add(solution, equation, rho * q);
-        }
-        response
     }
 
     /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an

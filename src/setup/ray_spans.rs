@@ -74,6 +74,8 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
     }
 
     /// From the last one; `None` where that leads nowhere.
+    // Not inlined, as the other way: what each of them needs leaves the stack before the other one comes.
+    #[inline(never)]
     fn nearby(&mut self, recorded: [S; 2], half: [S; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
         let (lens, nearness) = (self.lens.as_ref()?, &self.nearness);
         let [recorded, half] = [recorded, half].map(|pair| pair.map(|part| part.near(0)));
