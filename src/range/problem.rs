@@ -129,10 +129,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         self.prior.equations(self.setup, at, round == Round::Later, |equation, _| {
             equations.push_prior(equation);
         });
-        let solution = solve(equations);
-        let found = at.moved(solution.change());
-        let is_in_front = is_in_front && found.inverse_depth > S::ZERO;
-        self.last = Solved { at: *at, found, solution, is_in_front, has_settled: true };
+        // In place: a copy would take room.
+        let last = &mut self.last;
+        last.solution = solve(equations);
+        (last.at, last.found) = (*at, at.moved(last.solution.change()));
+        last.is_in_front = is_in_front && last.found.inverse_depth > S::ZERO;
+        last.has_settled = true;
         Ok(())
     }
 
@@ -256,13 +258,14 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// if that moves the estimate.
     #[inline(never)]
     pub(super) fn settle_again(&mut self) -> Result<(), FitError> {
-        let solution = solve(&mut self.equations);
-        let found = self.last.at.moved(solution.change());
-        if !(solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART)) {
+        let last = &mut self.last;
+        last.solution = solve(&mut self.equations);
+        last.found = last.at.moved(last.solution.change());
+        if !(last.solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART)) {
+            let found = last.found;
             return self.settle(&found);
         }
-        let is_in_front = self.last.is_in_front && found.inverse_depth > S::ZERO;
-        self.last = Solved { found, solution, is_in_front, ..self.last };
+        last.is_in_front &= last.found.inverse_depth > S::ZERO;
         Ok(())
     }
 
@@ -317,24 +320,30 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// the best of those near the others, with its cost.
     #[inline(never)]
     fn starts(&mut self) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
-        let Solved { found: start, solution: first, .. } = self.last;
+        let Some((start, rivals)) = self.candidates() else { return (self.last.found, None) };
+        let mut best: Option<(Unknowns<S>, S)> = None;
+        for rival in rivals.iter().flatten() {
+            if self.converge(rival) && self.last.is_in_front {
+                let cost = self.cost();
+                best = best.filter(|(_, least)| *least <= cost).or(Some((self.last.at, cost)));
+            }
+        }
+        (start, best)
+    }
+
+    /// The place near the better path, and those that may win over it; `None` where no path tells.
+    #[inline(never)]
+    fn candidates(&self) -> Option<(Unknowns<S>, [Option<Unknowns<S>>; 2])> {
+        let Solved { found: start, solution: first, .. } = &self.last;
         let information = first.information_of_inverse_depth();
-        let paths = self.prior.blur.and_then(|blur| blur.either_path(&start, information));
-        let Some([better, other]) = paths else { return (start, None) };
+        let [better, other] = self.prior.blur?.either_path(start, information)?;
         let near = |change_per_m| start.moved(first.change_with(change_per_m));
         let rival_cost = S::from_i32(RIVAL_COST);
         // Where the blur is that of a path next to nothing, both are the same place.
         let apart = other.change_per_m - better.change_per_m;
         let is_apart = apart * apart * information > S::ratio(1, NEARBY_PART * NEARBY_PART);
         let is_rival = is_apart && other.cost < better.cost + rival_cost;
-        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(start)];
-        let mut best: Option<(Unknowns<S>, S)> = None;
-        for rival in rivals.into_iter().flatten() {
-            if self.converge(&rival) && self.last.is_in_front {
-                let cost = self.cost();
-                best = best.filter(|(_, least)| *least <= cost).or(Some((self.last.at, cost)));
-            }
-        }
-        (near(better.change_per_m), best)
+        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
+        Some((near(better.change_per_m), rivals))
     }
 }

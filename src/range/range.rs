@@ -99,13 +99,33 @@ impl<S: Scalar> Range<S> {
         let entering = blur.as_ref().filter(|_| blur_enters);
         let mut prior = Prior::new(earlier, entering, width_px, left_out);
         prior.is_drawn = is_drawn;
-        let mut range = Self::unfitted(line);
         let state = known.insert(LineState::NOTHING);
-        let filled = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, state)
-            .and_then(|fitted| range.fill(setup, motion, line, (&fitted, state), earlier.is_none()));
-        if let (Ok(()), Some(blur)) = (filled, &blur) {
-            range.compare_with_blur(blur, &state.line3, blur_enters);
-        }
+        let fitted = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, state);
+        Self::told(setup, motion, line, &prior, blur.as_ref(), fitted, known)
+    }
+
+    /// What a fit with a prior has told, beside the blur, which need not have entered it.
+    // Not inlined: a range has room on the stack when the fit has left it.
+    #[inline(never)]
+    fn told<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        prior: &Prior<'_, S>,
+        blur: Option<&BlurMeasurement<S>>,
+        fitted: Result<Fitted<S, KNOTS>, FitError>,
+        known: &mut Option<LineState<S>>,
+    ) -> Self {
+        let mut range = Self::unfitted(line);
+        let filled = fitted.and_then(|fitted| {
+            // There is one of what has been fitted.
+            let state = known.as_ref().ok_or(FitError::Diverged)?;
+            range.fill(setup, motion, line, (&fitted, state), prior.state.is_none())?;
+            if let Some(blur) = blur {
+                range.compare_with_blur(blur, &state.line3, prior.blur.is_some());
+            }
+            Ok(())
+        });
         match filled {
             Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
             Err(FitError::Diverged) => range.status = status_of(setup, line, &range.estimate),
