@@ -15,6 +15,7 @@
 
 use heapless::Vec;
 
+use super::covariance::Covariance;
 use super::estimate::Estimate;
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
@@ -133,7 +134,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             }
             let mut seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
             if roughness_px > S::ZERO {
-                seen.per_sigma = over(rough_sigma_px(&seen, roughness_px));
+                seen.set_per_sigma(over(rough_sigma_px(&seen, roughness_px)));
             }
             seen.is_inlier = !prior.left_out.contains(index);
             self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
@@ -168,8 +169,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let Some(wander) = self.wander() else { return Ok(()) };
         for (observation, equation) in self.observations.iter_mut().zip(&mut self.equations.observed) {
             let per_sigma = over(wander.sigma_px(observation));
-            *equation = equation.near_scaled((per_sigma / observation.per_sigma).factor(0));
-            observation.per_sigma = per_sigma;
+            *equation = equation.near_scaled((per_sigma / observation.per_sigma()).factor(0));
+            observation.set_per_sigma(per_sigma);
         }
         self.settle_again()
     }
@@ -196,15 +197,21 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// What the settled fit says, with the errors that all samples share.
     #[inline(never)]
     fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, state: &mut LineState<S>) {
-        let Solved { at, found, solution, has_settled, .. } = &self.last;
+        let Solved { at, found, solution, .. } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = axes.with(*at).direction();
         let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
         settled.sensitivity(&mut state.sensitivity);
         state.line3 = axes.with(*found);
+        state.covariance = self.covariance();
+    }
+
+    #[inline(never)]
+    fn covariance(&self) -> Covariance<S> {
+        let Solved { solution, has_settled, .. } = &self.last;
         // Between several places the rounds tell nothing of the depth.
         let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
-        state.covariance = solution.covariance().and(unsettled);
+        solution.covariance().and(unsettled)
     }
 
     fn inliers(&self) -> Vec<bool, N> {
@@ -221,6 +228,6 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let near = self.last.solution.near(self.equations.units);
         let kept = self.equations.observed.iter().zip(&self.observations);
         let kept = kept.filter(|(_, observation)| observation.is_inlier);
-        GoodnessOfFit::of(kept.map(|(equation, observation)| (near.deviation(equation), observation.per_sigma)))
+        GoodnessOfFit::of(kept.map(|(equation, observation)| (near.deviation(equation), observation.per_sigma())))
     }
 }

@@ -107,13 +107,10 @@ pub(crate) struct Observation<S: Scalar> {
     pub(crate) normals: Normals<S>,
     /// Bearings to the right and downwards in the camera's axes at that time, in the unit of the ray.
     pub(super) near_bearings: [S::Near; 2],
-    pub(crate) time_s: S,
-    /// Number of rows that it is the mean of, at least one.
-    pub(super) rows: S,
-    /// Stated noise.
-    pub(crate) sigma_px: S,
-    /// One over the sigma that a fit takes it with: of its noise, or also of the edge.
-    pub(super) per_sigma: S,
+    time_s: S::Kept,
+    rows: S::Kept,
+    sigma_px: S::Kept,
+    per_sigma: S::Kept,
     /// False once the robust fit has rejected it.
     pub(crate) is_inlier: bool,
 }
@@ -165,11 +162,11 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         Some(Observation {
             normals,
             near_bearings: span.middle,
-            time_s: sample.time_s,
+            time_s: sample.time_s.kept(),
             // n rows have a variance of n²/12.
-            rows: (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE),
-            sigma_px,
-            per_sigma: over(sigma_px),
+            rows: (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE).kept(),
+            sigma_px: sigma_px.kept(),
+            per_sigma: over(sigma_px).kept(),
             is_inlier: true,
         })
     }
@@ -295,6 +292,29 @@ impl<S: Scalar> Observation<S> {
     pub(super) fn bearings(&self) -> [S; 2] {
         self.near_bearings.map(|part| S::of_near(part, self.normals.units.ray()))
     }
+
+    pub(super) fn time_s(&self) -> S {
+        S::of_kept(self.time_s)
+    }
+
+    /// Number of rows that it is the mean of, at least one.
+    pub(super) fn rows(&self) -> S {
+        S::of_kept(self.rows)
+    }
+
+    /// Stated noise.
+    pub(crate) fn sigma_px(&self) -> S {
+        S::of_kept(self.sigma_px)
+    }
+
+    /// One over the sigma that a fit takes it with: of its noise, or also of the edge.
+    pub(super) fn per_sigma(&self) -> S {
+        S::of_kept(self.per_sigma)
+    }
+
+    pub(super) fn set_per_sigma(&mut self, per_sigma: S) {
+        self.per_sigma = per_sigma.kept();
+    }
 }
 
 /// The plane of a row at its time: `y = slope · z` from where the camera is.
@@ -306,7 +326,7 @@ pub(crate) struct RowPlane<S> {
 
 impl<S: Scalar> RowPlane<S> {
     pub(crate) fn new<M: Motion<S>>(motion: &M, observation: &Observation<S>) -> Self {
-        let pose = motion.pose(observation.time_s);
+        let pose = motion.pose(observation.time_s());
         let [u, w] = observation.bearings();
         let ([_, dy, dz], [_, y, z]) = (pose.rotate([u, w, S::ONE]), pose.position_m);
         Self { slope: dy / dz, y, z }

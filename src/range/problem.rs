@@ -52,6 +52,12 @@ impl<S: Scalar> Solved<S> {
     }
 }
 
+/// Where rounds may start: near the better path, and where another place may fit better.
+struct Candidates<S> {
+    better: Unknowns<S>,
+    rivals: [Option<Unknowns<S>>; 2],
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Round {
     /// Nothing is known yet: the equations are those of the noisy observations themselves, without the blur.
@@ -81,7 +87,7 @@ fn observe<S: Scalar>(
     }
     // A pixel along the row in units of the noise.
     let px_per_miss = S::ONE / residual.per_px();
-    let per_miss = observation.per_sigma * px_per_miss;
+    let per_miss = observation.per_sigma() * px_per_miss;
     // So small that no sum of products leaves the range.
     let scale = per_miss.size() + 1;
     let near_per_miss = per_miss.near(scale);
@@ -320,7 +326,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// the best of those near the others, with its cost.
     #[inline(never)]
     fn starts(&mut self) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
-        let Some((start, rivals)) = self.candidates() else { return (self.last.found, None) };
+        let Some(Candidates { better, rivals }) = self.candidates() else { return (self.last.found, None) };
         let mut best: Option<(Unknowns<S>, S)> = None;
         for rival in rivals.iter().flatten() {
             if self.converge(rival) && self.last.is_in_front {
@@ -328,12 +334,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 best = best.filter(|(_, least)| *least <= cost).or(Some((self.last.at, cost)));
             }
         }
-        (start, best)
+        (better, best)
     }
 
     /// The place near the better path, and those that may win over it; `None` where no path tells.
     #[inline(never)]
-    fn candidates(&self) -> Option<(Unknowns<S>, [Option<Unknowns<S>>; 2])> {
+    fn candidates(&self) -> Option<Candidates<S>> {
         let Solved { found: start, solution: first, .. } = &self.last;
         let information = first.information_of_inverse_depth();
         let [better, other] = self.prior.blur?.either_path(start, information)?;
@@ -344,6 +350,6 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let is_apart = apart * apart * information > S::ratio(1, NEARBY_PART * NEARBY_PART);
         let is_rival = is_apart && other.cost < better.cost + rival_cost;
         let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
-        Some((near(better.change_per_m), rivals))
+        Some(Candidates { better: near(better.change_per_m), rivals })
     }
 }

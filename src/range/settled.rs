@@ -86,8 +86,8 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
     #[inline(never)]
     fn errors(&self, observation: &Observation<S>) -> [S; OF_EACH] {
         let (none, rho) = (S::ZERO, self.at.inverse_depth);
-        let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).whole_per_px());
-        let pose = self.motion.pose(observation.time_s);
+        let per_miss = -(observation.per_sigma() / self.at.residual(&observation.normals).whole_per_px());
+        let pose = self.motion.pose(observation.time_s());
         let is_steady = self.motion.keeps_attitude();
         let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
         let [u, w] = observation.bearings();
@@ -96,10 +96,10 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         // F = d · h
         let place = sub([self.at.bearing, none, S::ONE], scale(pose.position_m, rho));
         let h = cross(self.direction, place);
-        let of_rate = scale(cross(direction, h), observation.time_s * per_miss);
+        let of_rate = scale(cross(direction, h), observation.time_s() * per_miss);
         // The camera is further along its path, and has turned further.
         let m = cross(direction, self.direction);
-        let of_advance = -(rho * observation.time_s * dot(m, pose.velocity_m_s)) * per_miss;
+        let of_advance = -(rho * observation.time_s() * dot(m, pose.velocity_m_s)) * per_miss;
         let of_readout = of_advance + dot(pose.rate_rad_s, of_rate);
         // R (u, w, 0)
         let of_focal = dot(sub(direction, ahead), h) * per_miss;

@@ -17,13 +17,13 @@ const PS_PER_S: i64 = 1_000_000_000_000;
 /// The variance of a stretch of the edge, of a wander of 1 px that is alike over a number of rows. Within these
 /// averaging does not reduce it, and shorter stretches share it with their neighbours.
 fn variance_of_wander<S: Scalar>(stretch: &Observation<S>, alike_rows: S) -> S {
-    (alike_rows / stretch.rows).max(S::ONE)
+    (alike_rows / stretch.rows()).max(S::ONE)
 }
 
 /// With the roughness that is stated.
 pub(super) fn rough_sigma_px<S: Scalar>(stretch: &Observation<S>, roughness_px: S) -> S {
     let of_roughness = variance_of_wander(stretch, S::from_i32(ROUGHNESS_ROWS)) * roughness_px * roughness_px;
-    (stretch.sigma_px * stretch.sigma_px + of_roughness).sqrt()
+    (stretch.sigma_px() * stretch.sigma_px() + of_roughness).sqrt()
 }
 
 /// The residual of a stretch of the edge.
@@ -41,7 +41,7 @@ impl<'a, S: Scalar> Residual<'a, S> {
 
     /// The stated noise, in the same units.
     fn noise(&self) -> S {
-        self.stretch.sigma_px * self.stretch.per_sigma
+        self.stretch.sigma_px() * self.stretch.per_sigma()
     }
 }
 
@@ -77,7 +77,7 @@ impl<S: Scalar> Wander<S> {
         let roughness_px = setup.uncertainty().edge_roughness_px;
         let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
         let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
-        let extent = (last.time_s - first.time_s).abs() * rows_per_s;
+        let extent = (last.time_s() - first.time_s()).abs() * rows_per_s;
         if residuals.len() <= SPENT || extent == S::ZERO {
             return None;
         }
@@ -109,7 +109,7 @@ impl<S: Scalar> Wander<S> {
     }
 
     fn noise_px2(&self, stretch: &Observation<S>) -> S {
-        stretch.sigma_px * stretch.sigma_px * self.noise
+        stretch.sigma_px() * stretch.sigma_px() * self.noise
     }
 
     fn variance_px2(&self, stretch: &Observation<S>) -> S {
@@ -126,9 +126,9 @@ impl<S: Scalar> Wander<S> {
     fn inflation_with<const N: usize>(&self, residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>) -> S {
         let none = S::ZERO;
         let (mut weights, mut moment, mut leverages) = (none, none, Vec::<(S, S), N>::new());
-        let middle = residuals.get(residuals.len() / 2).map_or(none, |residual| residual.stretch.time_s);
+        let middle = residuals.get(residuals.len() / 2).map_or(none, |residual| residual.stretch.time_s());
         for Residual { stretch, .. } in residuals {
-            let (place, weight) = (stretch.time_s - middle, over(self.variance_px2(stretch)));
+            let (place, weight) = (stretch.time_s() - middle, over(self.variance_px2(stretch)));
             (weights, moment) = (weights + weight, moment + weight * place);
             // There is room: as many as residuals.
             let _ = leverages.push((place, weight));
@@ -167,9 +167,9 @@ fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
 }
 
 /// Correlation of the wander from stretch to stretch.
-struct Kernel<S, const N: usize> {
+struct Kernel<S: Scalar, const N: usize> {
     /// Correlation with the stretch before, and what averaging within the stretch leaves of the wander.
-    links: Vec<(S, S), N>,
+    links: Vec<[S::Kept; 2], N>,
 }
 
 impl<S: Scalar, const N: usize> Kernel<S, N> {
@@ -177,22 +177,22 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
     fn new(residuals: &[Residual<'_, S>], alike_rows: S, rows_per_s: S) -> Self {
         let (length, mut kernel) = (alike_rows.half(), Self { links: Vec::new() });
         let (lengths_per_s, length_of_three) = (rows_per_s / length, length * S::from_i32(3));
-        let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.time_s);
+        let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.time_s());
         let (mut rows, mut kept) = (S::ZERO, S::ZERO);
         for Residual { stretch, .. } in residuals {
-            let lengths = (stretch.time_s - before).abs() * lengths_per_s;
-            before = stretch.time_s;
+            let lengths = (stretch.time_s() - before).abs() * lengths_per_s;
+            before = stretch.time_s();
             // About e^−x, and never below zero.
             let correlation = S::ONE / (S::ONE + lengths + (lengths * lengths).half());
             // Most stretches have as many rows as the one before.
-            if stretch.rows != rows {
-                rows = stretch.rows;
+            if stretch.rows() != rows {
+                rows = stretch.rows();
                 // The mean over n rows of such a process keeps 1/(1 + n/3) of its variance.
                 let thirds = length_of_three / rows;
                 kept = (thirds / (S::ONE + thirds)).sqrt();
             }
             // There is room: as many as residuals.
-            let _ = kernel.links.push((correlation, kept));
+            let _ = kernel.links.push([correlation, kept].map(S::kept));
         }
         kernel
     }
@@ -200,9 +200,10 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
     /// Variance of a weighted sum over the wander of all stretches, in units of the wander's own.
     fn variance(&self, weights: impl Iterator<Item = S>) -> S {
         let (mut sum, mut carried) = (S::ZERO, S::ZERO);
-        for (weight, (correlation, kept)) in weights.zip(&self.links) {
-            let part = weight * *kept;
-            carried = carried * *correlation;
+        for (weight, link) in weights.zip(&self.links) {
+            let [correlation, kept] = link.map(S::of_kept);
+            let part = weight * kept;
+            carried = carried * correlation;
             sum = sum.plus_product(part, part + carried + carried);
             carried = carried + part;
         }
@@ -236,7 +237,7 @@ impl<S: Scalar> Shown<S> {
             let (deviation, noise) = (residual.deviation, residual.noise());
             (rest, stated) = (rest.plus_product(deviation, deviation), stated.plus_product(noise, noise));
         }
-        let places = residuals.iter().map(|residual| (residual.stretch.time_s, residual.stretch.per_sigma));
+        let places = residuals.iter().map(|residual| (residual.stretch.time_s(), residual.stretch.per_sigma()));
         let mut mode = Modes::<S, N>::new(places);
         for order in 0..SPENT + modes {
             if order > 0 {
@@ -254,7 +255,7 @@ impl<S: Scalar> Shown<S> {
                     let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise());
                     let of_noise = of_noise.fold(none, |sum, part| sum.plus_product(part, part));
                     let weights =
-                        mode.values().zip(residuals).map(|(part, residual)| part * residual.stretch.per_sigma);
+                        mode.values().zip(residuals).map(|(part, residual)| part * residual.stretch.per_sigma());
                     shown.of_noise = shown.of_noise + of_noise * mode.per_square();
                     shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
                 }
@@ -290,7 +291,8 @@ impl<S: Scalar> Shown<S> {
             return if self.is_chance() { S::ZERO } else { shown_px2 };
         }
         // Noise is measured along the row. As far as it does not change from row to row it belongs to the columns.
-        let of_row = |Residual { stretch, .. }: &Residual<'_, S>| stretch.sigma_px * stretch.sigma_px * stretch.rows;
+        let of_row =
+            |Residual { stretch, .. }: &Residual<'_, S>| stretch.sigma_px() * stretch.sigma_px() * stretch.rows();
         let squares = residuals.iter().map(of_row).fold(S::ZERO, |sum, square| sum + square);
         let of_columns = squares / S::from_i32(residuals.len() as i32) * (S::ONE - self.share).max(S::ZERO);
         (roughness_px * roughness_px + of_columns).max(shown_px2)

@@ -27,6 +27,9 @@ pub trait Scalar:
     /// power of two with others.
     #[doc(hidden)]
     type Near: Near;
+    /// What takes no more room than a number near one where many are kept: itself, or the upper 24 bits.
+    #[doc(hidden)]
+    type Kept: Copy + Debug;
 
     /// 0.
     const ZERO: Self;
@@ -81,6 +84,14 @@ pub trait Scalar:
     /// As a factor of numbers near one, over a power of two.
     #[doc(hidden)]
     fn factor(self, exponent: i32) -> <Self::Near as Near>::Factor;
+
+    /// To be kept.
+    #[doc(hidden)]
+    fn kept(self) -> Self::Kept;
+
+    /// That has been kept.
+    #[doc(hidden)]
+    fn of_kept(kept: Self::Kept) -> Self;
 
     /// `numerator / denominator` of two small whole numbers, for constants in formulas.
     fn ratio(numerator: i32, denominator: i32) -> Self {

@@ -64,6 +64,7 @@ impl<S: Scalar> Distortion<S> {
 
     /// From the recorded to the ideal point, from where it is recorded. The Jacobian is that of this *inverse* mapping.
     /// `None` where the model folds over.
+    #[inline(never)]
     pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<Whole<S>>> {
         let recorded = recorded.map(Whole);
         let nearness = Nearness {

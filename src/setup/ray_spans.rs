@@ -107,13 +107,17 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
     /// In numbers of any size, from nowhere.
     #[inline(never)]
     fn far_off(&self, recorded: [S; 2], half: [S; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
-        let distortion = self.camera.distortion();
-        let ideal = distortion.undistort(recorded)?;
+        let ideal = self.camera.distortion().undistort(recorded)?;
+        Some(self.far_span(&ideal, recorded, half, per_fx))
+    }
+
+    #[inline(never)]
+    fn far_span(&self, ideal: &Mapped<Whole<S>>, recorded: [S; 2], half: [S; 2], per_fx: S) -> RaySpan<S::Near> {
         let half = ideal.step(half.map(Whole));
-        let middle = distortion.lens().mean_of_ends(&ideal, recorded.map(Whole), half);
+        let middle = self.camera.distortion().lens().mean_of_ends(ideal, recorded.map(Whole), half);
         let [[du, _], [dw, _]] = ideal.jacobian;
         let [middle, half, along_row] = [middle, half, [du, dw]].map(|pair| pair.map(|Whole(part)| part));
-        Some(RaySpan::of_whole(middle, half, along_row.map(|part| part * per_fx)))
+        RaySpan::of_whole(middle, half, along_row.map(|part| part * per_fx))
     }
 }
 
