@@ -30,7 +30,7 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
         }
         let (first, last) = (modes.places.first().copied(), modes.places.last().copied());
         let [first, last] = [first, last].map(|place| place.map_or(S::ZERO, S::of_kept));
-        let (middle, per_half) = ((first + last).half(), S::ONE / (last - first).half());
+        let (middle, per_half) = ((first + last).half(), (last - first).half().reciprocal());
         modes.places.iter_mut().for_each(|place| *place = ((S::of_kept(*place) - middle) * per_half).kept());
         modes.measure();
         modes

@@ -86,7 +86,7 @@ fn observe<S: Scalar>(
         return Some((Equation::NEAR_NOTHING, EquationUnits::SMALLEST, residual.is_in_front()));
     }
     // A pixel along the row in units of the noise.
-    let px_per_miss = S::ONE / residual.per_px();
+    let px_per_miss = residual.per_px().reciprocal();
     let per_miss = observation.per_sigma() * px_per_miss;
     // So small that no sum of products leaves the range.
     let scale = per_miss.size() + 1;

@@ -77,7 +77,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let mut means = self.filled().map(move |knot| {
             if knot.points != points {
                 points = knot.points;
-                per_point = S::ONE / S::from_i32(i32::from(points));
+                per_point = S::from_i32(i32::from(points)).reciprocal();
                 row_sigma = self.row_sigma(points, spacing);
             }
             (row_sigma, self.mean(knot, &first, per_point))
@@ -101,7 +101,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let at = |place: usize| {
             let mean = |place| {
                 let knot = self.filled().nth(place)?;
-                Some((knot.points, self.mean(knot, &first, S::ONE / S::from_i32(i32::from(knot.points)))))
+                Some((knot.points, self.mean(knot, &first, S::from_i32(i32::from(knot.points)).reciprocal())))
             };
             let (points, sample) = mean(place)?;
             let [before, after] = [place.checked_sub(1), Some(place + 1)].map(|place| place.and_then(mean));

@@ -183,7 +183,7 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
             let lengths = (stretch.time_s() - before).abs() * lengths_per_s;
             before = stretch.time_s();
             // About e^−x, and never below zero.
-            let correlation = S::ONE / (S::ONE + lengths + (lengths * lengths).half());
+            let correlation = (S::ONE + lengths + (lengths * lengths).half()).reciprocal();
             // Most stretches have as many rows as the one before.
             if stretch.rows() != rows {
                 rows = stretch.rows();

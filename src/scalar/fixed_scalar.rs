@@ -23,6 +23,7 @@ impl Scalar for Q32 {
         Self::normalised(value, 0)
     }
 
+    #[inline(never)]
     fn from_i64(value: i64) -> Self {
         match i32::try_from(value) {
             Ok(small) => Self::from_i32(small),
@@ -75,6 +76,13 @@ impl Scalar for Q32 {
     fn to_i64(self) -> i64 {
         let size = Self { mantissa: self.mantissa.wrapping_abs(), ..self }.floor();
         if self.mantissa < 0 { -size } else { size }
+    }
+
+    #[inline(never)]
+    fn reciprocal(self) -> Self {
+        // Its exponent has yet to be seen to lie within the range.
+        let Self { mantissa, exponent } = if self.mantissa == 0 { return Self::ONE / self } else { self.inverse() };
+        Self::bounded(mantissa, exponent)
     }
 
     #[inline]
