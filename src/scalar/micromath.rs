@@ -62,7 +62,14 @@ impl Scalar for Micro {
     }
 
     fn from_i64(value: i64) -> Self {
-        Self(value as f32)
+        // Not inlined: both would be converted, and one of them chosen.
+        #[cold]
+        #[inline(never)]
+        fn of_wide(value: i64) -> f32 {
+            value as f32
+        }
+        // Most fit into 32 bits, which the core converts by an instruction.
+        Self(i32::try_from(value).map_or_else(|_| of_wide(value), |small| small as f32))
     }
 
     fn from_ratio(numerator: i64, denominator: i64) -> Self {
