@@ -41,7 +41,7 @@ macro_rules! scalar_on_libm {
                 if denominator == 0 {
                     return 0.0;
                 }
-                numerator as Self / denominator as Self
+                Self::from_i64(numerator) / Self::from_i64(denominator)
             }
 
             fn from_f64(value: f64) -> Self {

@@ -76,7 +76,7 @@ impl Scalar for Micro {
         if denominator == 0 {
             return Self(0.0);
         }
-        Self(numerator as f32 / denominator as f32)
+        Self::from_i64(numerator) / Self::from_i64(denominator)
     }
 
     fn from_f64(value: f64) -> Self {
