@@ -208,9 +208,13 @@ impl<S: Scalar> Solution<S> {
         [factor * self.mean_q * self.weight, factor * self.qq, S::ZERO]
     }
 
-    /// Changes of bearing, inverse depth and tilt from these sums.
-    pub(super) fn change_by(&self, [mean, along, across]: [S; 3]) -> [S; 3] {
-        self.unknowns(mean * over(self.weight), along * over(self.qq), across * over(self.ww))
+    /// From these sums, each, to changes of bearing, inverse depth and tilt.
+    pub(super) fn respond_all(&self, responses: &mut [[S; 3]]) {
+        let [per_weight, per_qq, per_ww] = [self.weight, self.qq, self.ww].map(over);
+        for response in responses {
+            let [mean, along, across] = *response;
+            *response = self.unknowns(mean * per_weight, along * per_qq, across * per_ww);
+        }
     }
 
     /// Covariance from the noise of all equations, the priors included.

@@ -34,9 +34,7 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         *effects = [[S::ZERO; 3]; SHARED_ERRORS];
         self.respond_of_observations(effects);
         self.respond_of_priors(effects);
-        for effect in effects {
-            *effect = self.solution.change_by(*effect);
-        }
+        self.solution.respond_all(effects);
     }
 
     #[inline(never)]

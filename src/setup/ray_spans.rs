@@ -70,7 +70,12 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
         if self.camera.is_straight() {
             return Some(RaySpan::of_whole(recorded, half, [per_fx, S::ZERO]));
         }
-        self.nearby(recorded, half, per_fx).or_else(|| self.far_off(recorded, half, per_fx))
+        match self.nearby(recorded, half, per_fx) {
+            // The last one is forgotten: from nowhere.
+            None if S::Near::IS_WIDE => self.nearby(recorded, half, per_fx),
+            None => self.far_off(recorded, half, per_fx),
+            span => span,
+        }
     }
 
     /// From the last one; `None` where that leads nowhere.
