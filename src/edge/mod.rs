@@ -27,5 +27,5 @@ pub use point::{EdgePoint, Polarity};
 pub use scan::Scanner;
 pub use scanned_point::ScannedPoint;
 pub(crate) use spread_function::SpreadFunction;
-pub(crate) use tuning::PLATEAU;
+pub(crate) use tuning::{MOST_DRAWN_Q16, PLATEAU};
 pub(crate) use window::Neighbours;
