@@ -116,9 +116,10 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     }
     problem.solve(&start.unknowns())?;
     problem.settle_without_outliers()?;
+    let half_to_twin = problem.tell_from_twin()?;
     let goodness_of_fit = problem.goodness_of_fit();
     problem.settle_with_wander()?;
-    Ok(problem.conclude(motion, &start, goodness_of_fit))
+    Ok(problem.conclude(motion, &start, goodness_of_fit, half_to_twin))
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
@@ -206,9 +207,15 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Wander::of::<N>(&residuals, uncertainty.edge_roughness_px, self.prior.width_px, is_known)
     }
 
-    /// What the settled fit says, with the errors that all samples share.
+    /// What the settled fit says, with the errors that all samples share and the twin that it may be.
     #[inline(never)]
-    fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, goodness_of_fit: GoodnessOfFit<S>) -> Fitted<S, N> {
+    fn conclude<M: Motion<S>>(
+        &self,
+        motion: &M,
+        axes: &Line3<S>,
+        goodness_of_fit: GoodnessOfFit<S>,
+        half_to_twin: Option<[S; 3]>,
+    ) -> Fitted<S, N> {
         let Solved { at, found, solution, is_in_front, has_settled } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = axes.with(*at).direction();
@@ -216,8 +223,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let sensitivity = settled.sensitivity();
         // Between several places the rounds tell nothing of the depth.
         let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
-        let state =
-            LineState { line3: axes.with(*found), covariance: solution.covariance().and(unsettled), sensitivity };
+        let covariance = solution.covariance().and(unsettled).and(half_to_twin.unwrap_or([S::ZERO; 3]));
+        let state = LineState { line3: axes.with(*found), covariance, sensitivity };
         let mut inliers = Vec::new();
         for observation in observations {
             // There is room: as many as observations. `collect` could panic.
