@@ -61,6 +61,7 @@ mod vertical;
 mod table_size;
 mod textured_sequence;
 mod simulator;
+mod sizing;
 mod statuses;
 mod symmetries;
 mod table2;
