@@ -25,6 +25,8 @@ pub(super) enum Role {
     Confirmed,
     /// The line has been hidden for so long that it waits for another one to continue it.
     Waiting,
+    /// The row has shown the line.
+    Seen,
 }
 
 impl Candidate {
@@ -32,7 +34,8 @@ impl Candidate {
     /// edge. Tentative lines must not narrow the window of a confirmed one.
     fn is_ended_by(&self, other: &Self) -> bool {
         let apart_q16 = other.prediction.column_q16.abs_diff(self.prediction.column_q16);
-        other.role == Role::Confirmed && (other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16)
+        let is_confirmed = matches!(other.role, Role::Confirmed | Role::Seen);
+        is_confirmed && (other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16)
     }
 }
 

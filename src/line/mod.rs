@@ -16,6 +16,7 @@ mod counters;
 mod explained;
 mod demand;
 mod candidates;
+mod steady;
 mod tracker;
 
 pub use counters::Counters;

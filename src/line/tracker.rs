@@ -9,10 +9,11 @@ use super::demand::Demand;
 use super::explained::{Explained, Flanks, flank, is_alone};
 use super::jump::Jump;
 use super::line::Line;
+use super::steady::locate_steady;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::{MODELS_A_ROW, YOUNG_POINTS};
+use super::tuning::{LOOK_ROWS, MODELS_A_ROW, YOUNG_POINTS};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -81,6 +82,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         pixels: PixelRow<'_, P>,
         flanks: &mut Flanks<LINES>,
     ) {
+        let steady = locate_steady(&mut self.table, limits, &at, &pixels, flanks);
+        self.count_points(steady as u32);
+        if steady == self.table.under_way().len() {
+            return;
+        }
         let mut candidates = Candidates::new();
         self.expect(limits, at.row, &mut candidates);
         let mut located = 0;
@@ -91,12 +97,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let is_sought = *role == Role::Confirmed && !prediction.coasting;
             if is_sought
                 && let Some(track) = self.table.track_mut(*slot)
-                && track.locate(prediction, &at, &pixels, &candidates.around(index), limits)
+                && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
+                let flank = flank(track.line.last());
                 // There is room: one for each line.
-                let _ = flanks.push(flank(track.line.last()));
+                let _ = flanks.insert(flanks.partition_point(|other| other.start <= flank.start), flank);
                 located += 1;
-            } else {
+            } else if *role != Role::Seen {
                 let _ = others.push(prediction.column_q16);
             }
         }
@@ -124,7 +131,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         if self.table.is_full() {
             let mut candidates = Candidates::new();
             self.expect(limits, row, &mut candidates);
-            let asks = candidates.iter().filter(|candidate| candidate.role != Role::Waiting);
+            let asks = candidates.iter().filter(|candidate| !matches!(candidate.role, Role::Waiting | Role::Seen));
             demand.restrict(asks.map(|candidate| (candidate.prediction, candidate.polarity)));
         }
     }
@@ -132,12 +139,19 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
     /// a model of their edge.
     pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
+        let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
         for index in 0..self.table.under_way().len() {
             let Some(place) = self.table.under_way().get(index).copied() else { return };
             let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-            if let Some(track) = self.table.track_mut(place).filter(is_seen).filter(|track| !track.is_unseen()) {
-                track.look_around(pixels);
+            if let Some(track) = self.table.track_mut(place).filter(is_seen) {
+                has_to_learn |= track.model.is_none();
+                if is_due && !track.is_unseen() {
+                    track.look_around(pixels);
+                }
             }
+        }
+        if !has_to_learn {
+            return;
         }
         let mut last = (0, 0);
         for _ in 0..MODELS_A_ROW {
@@ -233,13 +247,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
-    /// Adds the lines under way that have no point on this row yet. Where there is no room to stitch, hidden lines take
-    /// part in the association themselves.
+    /// Adds the lines under way, also those that the row has shown: they are neighbours of the others. Where there is no
+    /// room to stitch, hidden lines take part in the association themselves.
     fn expect(&mut self, limits: &Limits, row: u16, candidates: &mut Candidates<LINES>) {
         let (has_room, mut has_moved) = (self.table.has_room_to_stitch(), false);
         for place in self.table.under_way() {
-            if let Some(track) = self.table.track(*place).filter(|track| track.line.last().row != row) {
+            if let Some(track) = self.table.track(*place) {
                 let role = match track.state {
+                    _ if track.line.last().row == row => Role::Seen,
                     State::Tentative => Role::Tentative,
                     State::Hidden if has_room => Role::Waiting,
                     _ => Role::Confirmed,
