@@ -100,8 +100,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
                 let flank = flank(track.line.last());
-                // There is room: one for each line.
-                let _ = flanks.insert(flanks.partition_point(|other| other.start <= flank.start), flank);
+                let at = flanks.partition_point(|other| other.start <= flank.start);
+                // There is room: one for each line. It is not beyond them, but only so is that seen where code is small.
+                let _ = flanks.insert(at.min(flanks.len()), flank);
                 located += 1;
             } else if *role != Role::Seen {
                 let _ = others.push(prediction.column_q16);
