@@ -2,10 +2,10 @@
 
 use heapless::Vec;
 
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
+use crate::edge::{EdgeModel, EdgePoint, MOST_DRAWN_Q16, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Counters, Demand, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
+use crate::line::{Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -139,9 +139,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     ///
     /// *Cost*: some seven to twelve instructions a pixel and one to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
-    /// each of `POINTS`; for each of `LINES` one look of its model and one scanned point that is refined; eight new
+    /// each of `POINTS`; for each of `LINES` one look of its model; ten scanned points that are refined; three new
     /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in
-    /// one of the next rows.
+    /// one of the next rows. Of more than 16 lines each may have one more point refined, of more than 48 each sixteenth
+    /// a model.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
         let rows_read = match self.frame {
             Frame::Started => 0,
@@ -161,13 +162,13 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
-        let mut flanks = Flanks::new();
-        tracker.locate(setup.limits(), at, pixel_row, &mut flanks);
-        let mut demand = Demand::new();
-        tracker.demand(setup.limits(), row, &mut demand);
+        let (mut candidates, mut flanks) = (Candidates::new(), Flanks::new());
+        tracker.locate(setup.limits(), at, pixel_row, &mut candidates, &mut flanks);
         let mut asked: Vec<_, LINES> = Vec::new();
-        demand.add_columns(&mut asked);
-        let asked = demand.is_of_full_table().then_some(&asked[..]);
+        if tracker.is_full() {
+            candidates.add_columns(&mut asked);
+        }
+        let asked = tracker.is_full().then_some(&asked[..]);
         let is_blinded = self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
@@ -176,8 +177,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         });
         tracker.remove_explained(row, points);
         tracker.count_points(points.len() as u32);
-        refine_alone(points, row, pixel_row, self.scanner.noise_q8(), &demand);
-        let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
+        let noise_q8 = self.scanner.noise_q8();
+        let refine = |point: &EdgePoint, looks: bool| refined(points, point, looks.then_some((pixel_row, noise_q8)));
+        let columns = setup.camera().intrinsics().columns;
+        let jump = tracker.take(setup.limits(), columns, row, &candidates, points, &refine);
         points.clear();
         if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
@@ -186,7 +189,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             self.tear();
             return Err(RowError::Jump { row });
         }
-        tracker.look_at(row, pixel_row, self.scanner.noise_q8());
+        tracker.look_at(row, pixel_row, noise_q8);
         Ok(())
     }
 
@@ -364,36 +367,17 @@ fn check_pixels<S: Scalar>(setup: &Setup<S>, rows_read: u16, row: u16, pixels: u
     Ok(())
 }
 
-/// Refines the scanned points that no line explains and one may take, as well as a single row allows: at most one for
-/// each line of the table, since each costs twice as much as a row of a line; of more, others in each row. Two points
-/// that share a window of the scanner keep their columns, but their widths are not measured.
-fn refine_alone<P: Pixels, const LINES: usize>(
-    points: &mut [EdgePoint],
-    row: u16,
-    pixels: PixelRow<'_, P>,
-    noise_q8: u32,
-    demand: &Demand<LINES>,
-) {
-    let every = points.len().div_ceil(LINES).max(1);
-    let mut turn = usize::from(row).checked_rem(every).unwrap_or(0);
-    let mut left_q16 = Neighbours::NONE.left_q16;
-    let mut rest = points.iter_mut().peekable();
-    while let Some(point) = rest.next() {
-        let right_q16 = rest.peek().map_or(Neighbours::NONE.right_q16, |next| next.column_q16);
-        let (around, column_q16) = (Neighbours { left_q16, right_q16 }, point.column_q16);
-        left_q16 = column_q16;
-        if !demand.asks_for(point) {
-            continue;
-        }
-        turn += 1;
-        let refined = if turn < every { None } else { EdgeModel::refine_alone(pixels, point, around, noise_q8) };
-        turn = if turn < every { turn } else { 0 };
-        match refined {
-            Some(sharper) => *point = sharper,
-            None if around.is_nearer_than(Scanner::SEES_ALONE_Q16, column_q16) => point.width_q8 = 0,
-            None => {}
-        }
+/// One of the scanned points of a row, refined as well as that row alone allows, where its pixels are given. Of two
+/// points that share a window of the scanner and are not refined the width is not known.
+fn refined<P: Pixels>(points: &[EdgePoint], point: &EdgePoint, from: Option<(PixelRow<'_, P>, u32)>) -> EdgePoint {
+    let around = Neighbours::beside(points, point);
+    if let Some(refined) = from.and_then(|(row, noise_q8)| EdgeModel::refine_alone(row, point, around, noise_q8)) {
+        return refined;
     }
+    if !around.is_nearer_than(Scanner::SEES_ALONE_Q16, point.column_q16) {
+        return *point;
+    }
+    EdgePoint { width_q8: 0, sigma_q16: point.sigma_q16.max(MOST_DRAWN_Q16 / 3), ..*point }
 }
 
 /// A row of the image that is read after the last one.
@@ -410,5 +394,33 @@ fn check_row_order<S: Scalar>(setup: &Setup<S>, last: Option<LastRow>, row: u16)
 impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Default for Ranger<LINES, KNOTS, POINTS> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Ranger;
+    use crate::setup::Setup;
+
+    /// Of lines that begin in one row three get a model in one of the next, and all do.
+    #[test]
+    fn a_row_makes_three_models() {
+        const EDGES: usize = 12;
+        let setup: Setup<f32> = Setup::pinhole(320, 240, 300.0, 33_300_000).expect("a sound camera");
+        let level = |column: usize| match column % 48 {
+            0 | 24 => 120,
+            1..24 => 180,
+            _ => 60,
+        };
+        let pixels: [u8; 320] = core::array::from_fn(level);
+        let mut ranger: Ranger<16, 8, 32> = Ranger::new();
+        let mut before = 0;
+        for row in 0..20 {
+            ranger.row(&setup, row, &pixels).expect("rows in order");
+            let models = ranger.tracker.models();
+            assert!(models <= before + 3, "row {row}: {models} after {before}");
+            before = models;
+        }
+        assert!(before >= EDGES, "{before} models");
     }
 }

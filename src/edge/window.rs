@@ -39,6 +39,16 @@ impl Neighbours {
         around
     }
 
+    /// Those of a point among the points of its row, which are in the order of their columns.
+    pub(crate) fn beside(points: &[EdgePoint], point: &EdgePoint) -> Self {
+        let at = points.partition_point(|other| other.column_q16 < point.column_q16);
+        let column_q16 = |index: usize| points.get(index).map(|other| other.column_q16);
+        Self {
+            left_q16: at.checked_sub(1).and_then(column_q16).unwrap_or(Self::NONE.left_q16),
+            right_q16: column_q16(at + 1).unwrap_or(Self::NONE.right_q16),
+        }
+    }
+
     /// Their columns in 1/256 px.
     pub(super) const fn bounds_q8(&self) -> (i32, i32) {
         (self.left_q16 >> 8, self.right_q16 >> 8)

@@ -1,5 +1,7 @@
 //! [`Candidates`]: the lines that a row may show, from left to right.
 
+use core::ops::Range;
+
 use heapless::Vec;
 
 use super::association::Prediction;
@@ -15,6 +17,9 @@ pub(super) struct Candidate {
     pub(super) polarity: Polarity,
     pub(super) role: Role,
 }
+
+/// Beyond the gate the windows of the scanner on either side, and the neighbours of the edge there.
+const BESIDE_Q16: u32 = 13 << 16;
 
 /// What the row is to a line.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -34,18 +39,18 @@ impl Candidate {
     /// edge. Tentative lines must not narrow the window of a confirmed one.
     fn is_ended_by(&self, other: &Self) -> bool {
         let apart_q16 = other.prediction.column_q16.abs_diff(self.prediction.column_q16);
-        let is_confirmed = matches!(other.role, Role::Confirmed | Role::Seen);
-        is_confirmed && (other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16)
+        matches!(other.role, Role::Confirmed | Role::Seen)
+            && (other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16)
     }
 }
 
 /// The lines that a row may show, from left to right.
-pub(super) struct Candidates<const LINES: usize> {
+pub(crate) struct Candidates<const LINES: usize> {
     lines: Vec<Candidate, LINES>,
 }
 
 impl<const LINES: usize> Candidates<LINES> {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { lines: Vec::new() }
     }
 
@@ -59,6 +64,36 @@ impl<const LINES: usize> Candidates<LINES> {
 
     pub(super) fn iter(&self) -> core::slice::Iter<'_, Candidate> {
         self.lines.iter()
+    }
+
+    /// The row has shown one of the lines.
+    pub(super) fn see(&mut self, index: usize) {
+        if let Some(line) = self.lines.get_mut(index) {
+            line.role = Role::Seen;
+        }
+    }
+
+    /// Leaves those that the row has not shown yet.
+    pub(super) fn leave_unseen(&mut self) {
+        self.lines.retain(|line| line.role != Role::Seen);
+    }
+
+    /// Adds the columns where a row may show them, and what the scanner sees of an edge there, from left to right but
+    /// for some.
+    pub(crate) fn add_columns(&self, columns: &mut Vec<Range<u16>, LINES>) {
+        let column = |column_q16: i32| (column_q16 >> 16).max(0) as u16;
+        for Candidate { prediction: Prediction { column_q16, gate_q16, .. }, .. } in self.sought() {
+            let reach_q16 = gate_q16.saturating_add(BESIDE_Q16);
+            let from_q16 = column_q16.saturating_sub_unsigned(reach_q16);
+            let to_q16 = column_q16.saturating_add_unsigned(reach_q16);
+            // There is room: one for each line.
+            let _ = columns.push(column(from_q16)..column(to_q16));
+        }
+    }
+
+    /// Those that a point may belong to.
+    pub(super) fn sought(&self) -> impl Iterator<Item = &Candidate> {
+        self.iter().filter(|line| line.role != Role::Waiting)
     }
 
     /// Adds a line; whether it lies on the left of one before. Lines hardly ever change their order.

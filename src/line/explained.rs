@@ -19,9 +19,9 @@ pub(super) fn flank(point: &EdgePoint) -> Range<u16> {
 }
 
 /// Whether nothing else is expected near a flank, at these columns in 1/65536 px.
-pub(super) fn is_alone(flank: &Range<u16>, others_q16: &[i32]) -> bool {
+pub(super) fn is_alone(flank: &Range<u16>, mut others_q16: impl Iterator<Item = i32>) -> bool {
     let (middle, near) = ((i32::from(flank.start) + i32::from(flank.end)) / 2, flank.len() as u32 + NEAR_PX);
-    others_q16.iter().all(|other_q16| (other_q16 >> 16).abs_diff(middle) > near)
+    others_q16.all(|other_q16| (other_q16 >> 16).abs_diff(middle) > near)
 }
 
 /// Whether a row is looked at beside its located lines: some of the rows are, or an edge that begins there would never

@@ -14,13 +14,13 @@ mod stitch;
 mod jump;
 mod counters;
 mod explained;
-mod demand;
 mod candidates;
+mod refinement;
 mod steady;
 mod tracker;
 
+pub(crate) use candidates::Candidates;
 pub use counters::Counters;
-pub(crate) use demand::Demand;
 pub(crate) use explained::{Flanks, looks_beside};
 pub(crate) use knot::Knot;
 pub use line::{Line, OutOfOrder};

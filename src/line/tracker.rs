@@ -5,15 +5,15 @@ use heapless::Vec;
 use super::association::{Association, Outcome, Pair};
 use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
-use super::demand::Demand;
 use super::explained::{Explained, Flanks, flank, is_alone};
 use super::jump::Jump;
 use super::line::Line;
+use super::refinement::Refinement;
 use super::steady::locate_steady;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::{LOOK_ROWS, MODELS_A_ROW, YOUNG_POINTS};
+use super::tuning::{LOOK_ROWS, YOUNG_POINTS, models_a_row};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -47,11 +47,28 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Returns a row at which all lines jump, if that is seen now.
     #[must_use]
     pub(crate) fn row(&mut self, limits: &Limits, columns: u16, row: u16, points: &[EdgePoint]) -> Option<u16> {
+        let mut candidates = Candidates::new();
+        if !points.is_empty() {
+            self.expect(limits, row, &mut candidates);
+        }
+        self.take(limits, columns, row, &candidates, points, &|point, _| *point)
+    }
+
+    /// Likewise for the points of a row of pixels, of which the lines that [`Tracker::locate`] has not seen may take
+    /// some, as `refine` states them: with their pixels looked at where it is told so.
+    #[must_use]
+    pub(crate) fn take(
+        &mut self,
+        limits: &Limits,
+        columns: u16,
+        row: u16,
+        candidates: &Candidates<LINES>,
+        points: &[EdgePoint],
+        refine: &dyn Fn(&EdgePoint, bool) -> EdgePoint,
+    ) -> Option<u16> {
         self.table.look_for_places();
         if !points.is_empty() {
-            let mut candidates = Candidates::new();
-            self.expect(limits, row, &mut candidates);
-            self.match_points(limits, &candidates, points);
+            self.match_points(limits, candidates, points, &mut Refinement::new(refine, row, points.len(), candidates));
         }
         if !self.end_lines(limits, row) {
             return None;
@@ -73,13 +90,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         jump.is_common().then_some(begun_in)
     }
 
-    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what the scan may leave out.
-    /// To be called before the row is scanned.
+    /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what the scan may leave out,
+    /// and the lines that the row has not shown yet. To be called before the row is scanned.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
         at: RowTime,
         pixels: PixelRow<'_, P>,
+        candidates: &mut Candidates<LINES>,
         flanks: &mut Flanks<LINES>,
     ) {
         let steady = locate_steady(&mut self.table, limits, &at, &pixels, flanks);
@@ -87,11 +105,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         if steady == self.table.under_way().len() {
             return;
         }
-        let mut candidates = Candidates::new();
-        self.expect(limits, at.row, &mut candidates);
+        self.expect(limits, at.row, candidates);
         let mut located = 0;
-        // Others may lie near located ones, also hidden ones, which another one may continue.
-        let mut others: Vec<i32, LINES> = Vec::new();
         for index in 0..candidates.len() {
             let Some(Candidate { prediction, slot, role, .. }) = candidates.get(index) else { continue };
             let is_sought = *role == Role::Confirmed && !prediction.coasting;
@@ -103,14 +118,16 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let at = flanks.partition_point(|other| other.start <= flank.start);
                 // There is room: one for each line. It is not beyond them, but only so is that seen where code is small.
                 let _ = flanks.insert(at.min(flanks.len()), flank);
+                candidates.see(index);
                 located += 1;
-            } else if *role != Role::Seen {
-                let _ = others.push(prediction.column_q16);
             }
         }
         self.count_points(located);
-        if !others.is_empty() {
-            flanks.retain(|flank| is_alone(flank, &others));
+        candidates.leave_unseen();
+        // Others may lie near located ones, also hidden ones, which another one may continue.
+        if candidates.len() > 0 {
+            let others_q16 = candidates.iter().map(|candidate| candidate.prediction.column_q16);
+            flanks.retain(|flank| is_alone(flank, others_q16.clone()));
         }
     }
 
@@ -126,15 +143,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.count_stray(strays);
     }
 
-    /// Restricts what is asked for where no place is free: to be called after the lines were located and before the row
-    /// is scanned.
-    pub(crate) fn demand(&mut self, limits: &Limits, row: u16, demand: &mut Demand<LINES>) {
-        if self.table.is_full() {
-            let mut candidates = Candidates::new();
-            self.expect(limits, row, &mut candidates);
-            let asks = candidates.iter().filter(|candidate| !matches!(candidate.role, Role::Waiting | Role::Seen));
-            demand.restrict(asks.map(|candidate| (candidate.prediction, candidate.polarity)));
-        }
+    /// Whether no place is free for another line.
+    pub(crate) fn is_full(&self) -> bool {
+        self.table.is_full()
     }
 
     /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
@@ -154,10 +165,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         if !has_to_learn {
             return;
         }
-        let mut last = (0, 0);
-        for _ in 0..MODELS_A_ROW {
+        let mut last = (0, 0, 0);
+        for _ in 0..models_a_row(LINES) {
             let Some(next) = self.newest_to_learn(row, last) else { return };
-            let (_, place) = next;
+            let (.., place) = next;
             if let Some(track) = self.table.track_mut(place).filter(|track| track.is_unseen()) {
                 track.look_around(pixels);
             }
@@ -166,13 +177,23 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
     }
 
-    /// The newest line after the last one, by its points and its place, of those that lack a model.
-    fn newest_to_learn(&self, row: u16, last: (u16, u16)) -> Option<(u16, u16)> {
+    /// The newest line after the last one, by its points and its turn, of those that lack a model, and its place: one
+    /// that no model fits must not keep others from their turn.
+    fn newest_to_learn(&self, row: u16, last: (u16, u16, u16)) -> Option<(u16, u16, u16)> {
+        // Fewer than 2¹⁶.
+        let models = models_a_row(LINES) as u16;
         let asking = self.table.under_way().iter().filter_map(|place| {
             let track = self.table.track(*place).filter(|track| track.is_to_learn(row))?;
-            Some((track.line.points(), *place))
+            let turn = place.wrapping_sub(row.wrapping_mul(models)).checked_rem(LINES as u16)?;
+            Some((track.line.points(), turn, *place))
         });
         asking.filter(|line| *line > last).min()
+    }
+
+    /// How many lines have a model.
+    #[cfg(test)]
+    pub(crate) fn models(&self) -> usize {
+        self.table.tracks_under_way().filter(|track| track.model.is_some()).count()
     }
 
     /// Gives a line a model of its edge, from the row in which it was last seen.
@@ -250,7 +271,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Adds the lines under way, also those that the row has shown: they are neighbours of the others. Where there is no
     /// room to stitch, hidden lines take part in the association themselves.
-    fn expect(&mut self, limits: &Limits, row: u16, candidates: &mut Candidates<LINES>) {
+    pub(super) fn expect(&mut self, limits: &Limits, row: u16, candidates: &mut Candidates<LINES>) {
         let (has_room, mut has_moved) = (self.table.has_room_to_stitch(), false);
         for place in self.table.under_way() {
             if let Some(track) = self.table.track(*place) {
@@ -279,7 +300,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
     /// confirmed line does not take its points. A point without a line starts one. From left to right, whatever their
     /// polarity: a full table then holds edges side by side, which tell each other's plateaus.
-    fn match_points(&mut self, limits: &Limits, candidates: &Candidates<LINES>, points: &[EdgePoint]) {
+    fn match_points(
+        &mut self,
+        limits: &Limits,
+        candidates: &Candidates<LINES>,
+        points: &[EdgePoint],
+        refinement: &mut Refinement<'_>,
+    ) {
         let lines = |role, polarity| {
             let among = move |candidate: &&Candidate| candidate.role == role && candidate.polarity == polarity;
             candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
@@ -292,39 +319,44 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let of_point = polarities.iter_mut().find(|(polarity, ..)| *polarity == point.polarity);
             let Some((_, confirmed, tentative)) = of_point else { continue };
             confirmed.point(point, &mut |settled| match settled {
-                Outcome::Matched(pair) => self.join(&pair, limits),
-                Outcome::Unmatched(point) => tentative.point(point, &mut |settled| self.settle(&settled, limits)),
+                Outcome::Matched(pair) => self.join(&pair, limits, refinement),
+                Outcome::Unmatched(point) => {
+                    tentative.point(point, &mut |settled| self.settle(&settled, limits, refinement))
+                }
             });
         }
         for (_, confirmed, mut tentative) in polarities {
             confirmed.finish(&mut |settled| match settled {
-                Outcome::Matched(pair) => self.join(&pair, limits),
-                Outcome::Unmatched(point) => tentative.point(point, &mut |settled| self.settle(&settled, limits)),
+                Outcome::Matched(pair) => self.join(&pair, limits, refinement),
+                Outcome::Unmatched(point) => {
+                    tentative.point(point, &mut |settled| self.settle(&settled, limits, refinement))
+                }
             });
-            tentative.finish(&mut |settled| self.settle(&settled, limits));
+            tentative.finish(&mut |settled| self.settle(&settled, limits, refinement));
         }
     }
 
-    fn settle(&mut self, settled: &Outcome<'_>, limits: &Limits) {
+    fn settle(&mut self, settled: &Outcome<'_>, limits: &Limits, refinement: &mut Refinement<'_>) {
         match settled {
-            Outcome::Matched(pair) => self.join(pair, limits),
-            Outcome::Unmatched(point) => self.begin(**point, limits),
+            Outcome::Matched(pair) => self.join(pair, limits, refinement),
+            Outcome::Unmatched(point) => self.begin(point, limits, refinement),
         }
     }
 
-    fn join(&mut self, pair: &Pair<'_>, limits: &Limits) {
+    fn join(&mut self, pair: &Pair<'_>, limits: &Limits, refinement: &mut Refinement<'_>) {
         if pair.coasting {
             self.count_stray(1);
             return;
         }
-        if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(pair.point, limits)) {
-            self.begin(*pair.point, limits);
+        let point = refinement.for_line(pair.point, pair.slot);
+        if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(&point, limits)) {
+            self.begin(&point, limits, refinement);
         }
     }
 
     /// Starts a tentative line, if there is room.
-    fn begin(&mut self, point: EdgePoint, limits: &Limits) {
-        if !self.table.begin(point, limits) {
+    fn begin(&mut self, point: &EdgePoint, limits: &Limits, refinement: &mut Refinement<'_>) {
+        if self.table.is_full() || !self.table.begin(refinement.for_first(point), limits) {
             self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
             self.count_dropped_point();
         }

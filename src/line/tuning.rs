@@ -110,7 +110,19 @@ pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
 
+/// At most so many scanned points are refined in one row, since each costs more than a row of a line: those of other
+/// lines when it is their turn (`frames::short_bars_are_found_in_a_clear_view` with 8); and one
+/// for each line beyond 16, since larger images have more edges.
+pub(super) const fn refined_a_row(lines: usize) -> u16 {
+    10 + lines.saturating_sub(16) as u16
+}
+
 /// At most so many lines get a model in one row, since each costs as much as a dozen rows of a line, the first look
 /// around included: the newest, since older ones may have no edge that a model can have. The points of the others are
-/// refined alone until it is their turn (`frames::short_bars_are_found_in_a_clear_view` with 4).
-pub(super) const MODELS_A_ROW: usize = 8;
+/// refined alone until it is their turn (`fences::edges_of_fences_are_lines` with 2); of large tables for a
+/// sixteenth of the lines.
+pub(super) const fn models_a_row(lines: usize) -> usize {
+    const LEAST: usize = 3;
+    let part = lines / 16;
+    if part > LEAST { part } else { LEAST }
+}

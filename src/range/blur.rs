@@ -124,6 +124,7 @@ impl<S: Scalar> BlurMeasurement<S> {
     /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they
     /// lie, given what the positions say of the inverse depth, as changes of it, each with what it costs; the better
     /// one first.
+    #[inline(never)]
     pub(super) fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
         let path = self.path(unknowns)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();

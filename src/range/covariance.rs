@@ -13,6 +13,9 @@ pub(crate) struct Covariance<S> {
 }
 
 impl<S: Scalar> Covariance<S> {
+    /// Of what is known exactly.
+    pub(super) const NONE: Self = Self { variance: [S::ZERO; 3], mixed: [S::ZERO; 3] };
+
     /// One standard deviation of bearing, inverse depth and tilt.
     pub(crate) fn sigma(&self) -> [S; 3] {
         let most = S::UNKNOWN * S::UNKNOWN;

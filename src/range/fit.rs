@@ -15,25 +15,23 @@
 
 use heapless::Vec;
 
-use super::equation::Equations;
+use super::covariance::Covariance;
 use super::estimate::Estimate;
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::line3::Line3;
-use super::observation::{Observation, Observer};
+use super::observation::Observer;
 use super::prior::{Prior, SampleSet};
 use super::problem::{Problem, Solved};
 use super::sample::{Sample, Spread};
 use super::settled::Settled;
 use super::status::RangeStatus;
 use super::unknowns::Unknowns;
-use super::wander::{Residual, Stretch, Wander};
+use super::wander::{Residual, Wander, rough_sigma_px};
 use crate::error::FitError;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, over};
 use crate::setup::Setup;
-
-const PS_PER_S: i64 = 1_000_000_000_000;
 
 /// Bearing, inverse depth and tilt of one edge with their covariance, from at most `N` samples.
 ///
@@ -64,12 +62,12 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
     let prior = Prior::new(None, None, S::ONE, SampleSet::default());
-    fit_with::<S, M, N>(setup, motion, &mut samples.into_iter(), &prior)?.estimate(setup)
+    let mut state = LineState::NOTHING;
+    fit_with::<S, M, N, _>(setup, motion, || samples.into_iter(), &prior, &mut state)?.estimate(&state, setup)
 }
 
-/// What the samples have told.
+/// How well the samples fit the line that they have told of.
 pub(crate) struct Fitted<S, const N: usize> {
-    pub(crate) state: LineState<S>,
     goodness_of_fit: GoodnessOfFit<S>,
     /// Whether the camera has the line before it in all rows.
     is_in_front: bool,
@@ -78,8 +76,8 @@ pub(crate) struct Fitted<S, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Fitted<S, N> {
-    pub(crate) fn estimate(&self, setup: &Setup<S>) -> Result<Estimate<S>, FitError> {
-        let estimate = Estimate::new(&self.state, setup, &self.goodness_of_fit);
+    pub(crate) fn estimate(&self, state: &LineState<S>, setup: &Setup<S>) -> Result<Estimate<S>, FitError> {
+        let estimate = Estimate::new(state, setup, &self.goodness_of_fit);
         if !estimate.is_finite() {
             return Err(FitError::Diverged);
         }
@@ -89,24 +87,19 @@ impl<S: Scalar, const N: usize> Fitted<S, N> {
     }
 }
 
-/// [`fit`] with a prior.
-// Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
+/// [`fit`] with a prior; `state` is what the samples have told, unless there is an error.
+// Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes. The largest part
+// of the outcome is written where it is to be: each place that it passes through would need room for it.
 #[inline(never)]
-pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
+pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item = Sample<S>>>(
     setup: &Setup<S>,
     motion: &M,
-    samples: &mut impl Iterator<Item = Sample<S>>,
+    samples: impl FnOnce() -> I,
     prior: &Prior<'_, S>,
+    state: &mut LineState<S>,
 ) -> Result<Fitted<S, N>, FitError> {
     let start = prior.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3);
-    let mut problem: Problem<'_, S, N> = Problem {
-        setup,
-        prior,
-        observations: Vec::new(),
-        stretches: Vec::new(),
-        equations: Equations::new(),
-        last: Solved::NOTHING,
-    };
+    let mut problem = Problem::<S, N>::new(setup, prior);
     problem.observe_all(motion, &start, samples)?;
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
     let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
@@ -116,36 +109,39 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize>(
     }
     problem.solve(&start.unknowns())?;
     problem.settle_without_outliers()?;
+    let half_to_twin = problem.tell_from_twin()?;
     let goodness_of_fit = problem.goodness_of_fit();
     problem.settle_with_wander()?;
-    Ok(problem.conclude(motion, &start, goodness_of_fit))
+    problem.conclude(motion, &start, state);
+    if let Some(change) = half_to_twin {
+        state.covariance = state.covariance.and(change);
+    }
+    Ok(Fitted { goodness_of_fit, is_in_front: problem.last.is_in_front, inliers: problem.inliers() })
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
-    fn observe_all<M: Motion<S>>(
+    fn observe_all<M: Motion<S>, I: Iterator<Item = Sample<S>>>(
         &mut self,
         motion: &M,
         start: &Line3<S>,
-        samples: &mut impl Iterator<Item = Sample<S>>,
+        samples: impl FnOnce() -> I,
     ) -> Result<(), FitError> {
         let Self { setup, prior, .. } = *self;
         let mut observer = Observer::new(setup.camera(), motion, [start.gravity, start.lean]);
         let roughness_px = setup.uncertainty().edge_roughness_px;
-        let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
-        for (index, sample) in samples.enumerate() {
+        for (index, sample) in samples().enumerate() {
             let Spread { column_px, row_px, time_s } = sample.spread;
             let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
             if !(numbers.into_iter().all(S::is_finite) && sample.sigma_px > S::ZERO) {
                 return Err(FitError::InvalidSample(index));
             }
-            let seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
-            let stretch = Stretch::of(&sample, seen.sigma_px, rows_per_s);
-            let is_rough = roughness_px > S::ZERO;
-            let seen = if is_rough { seen.with_sigma(stretch.rough_sigma_px(roughness_px)) } else { seen };
-            let observation = Observation { is_inlier: !prior.left_out.contains(index), ..seen };
-            self.observations.push(observation).map_err(|_| FitError::TooManySamples)?;
-            self.stretches.push(stretch).map_err(|_| FitError::TooManySamples)?;
+            let mut seen = observer.observe(&sample).ok_or(FitError::InvalidSample(index))?;
+            if roughness_px > S::ZERO {
+                seen.set_per_sigma(over(rough_sigma_px(&seen, roughness_px)));
+            }
+            seen.is_inlier = !prior.left_out.contains(index);
+            self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
         }
         self.share_reach();
         Ok(())
@@ -175,12 +171,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
     fn settle_with_wander(&mut self) -> Result<(), FitError> {
         let Some(wander) = self.wander() else { return Ok(()) };
-        let observed = self.observations.iter_mut().zip(&mut self.equations.observed);
-        for ((observation, equation), stretch) in observed.zip(&self.stretches) {
-            let sigma_px = wander.sigma_px(stretch);
-            let per_sigma = over(sigma_px);
-            *equation = equation.near_scaled((per_sigma * observation.sigma_px).factor(0));
-            (observation.sigma_px, observation.per_sigma) = (sigma_px, per_sigma);
+        for (observation, equation) in self.observations.iter_mut().zip(&mut self.equations.observed) {
+            let per_sigma = over(wander.sigma_px(observation));
+            *equation = equation.near_scaled((per_sigma / observation.per_sigma()).factor(0));
+            observation.set_per_sigma(per_sigma);
         }
         self.settle_again()
     }
@@ -192,47 +186,52 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             return None;
         }
         let mut residuals: Vec<_, N> = Vec::new();
-        let equations = self.equations.observed.iter();
         let near = self.last.solution.near(self.equations.units);
-        for ((equation, observation), stretch) in equations.zip(&self.observations).zip(&self.stretches) {
+        for (equation, observation) in self.equations.observed.iter().zip(&self.observations) {
             if observation.is_inlier {
                 // There is room: as many as observations.
-                let _ = residuals.push(Residual::new(stretch, observation.per_sigma, near.deviation(equation)));
+                let _ = residuals.push(Residual::new(observation, near.deviation(equation)));
             }
         }
-        let uncertainty = self.setup.uncertainty();
         // Where no lean is sought nothing else takes a wander of the edge.
-        let is_known = self.prior.state.is_some() && uncertainty.sigma_tilt_at(S::ZERO) > S::ZERO;
-        Wander::of::<N>(&residuals, uncertainty.edge_roughness_px, self.prior.width_px, is_known)
+        let is_known = self.prior.state.is_some() && self.setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
+        Wander::of::<N>(&residuals, self.setup, self.prior.width_px, is_known)
     }
 
     /// What the settled fit says, with the errors that all samples share.
     #[inline(never)]
-    fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, goodness_of_fit: GoodnessOfFit<S>) -> Fitted<S, N> {
-        let Solved { at, found, solution, is_in_front, has_settled } = &self.last;
+    fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, state: &mut LineState<S>) {
+        let Solved { at, found, solution, .. } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = axes.with(*at).direction();
         let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
-        let sensitivity = settled.sensitivity();
+        settled.sensitivity(&mut state.sensitivity);
+        state.line3 = axes.with(*found);
+        state.covariance = self.covariance();
+    }
+
+    #[inline(never)]
+    fn covariance(&self) -> Covariance<S> {
+        let Solved { solution, has_settled, .. } = &self.last;
         // Between several places the rounds tell nothing of the depth.
         let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
-        let state =
-            LineState { line3: axes.with(*found), covariance: solution.covariance().and(unsettled), sensitivity };
+        solution.covariance().and(unsettled)
+    }
+
+    fn inliers(&self) -> Vec<bool, N> {
         let mut inliers = Vec::new();
-        for observation in observations {
+        for observation in &self.observations {
             // There is room: as many as observations. `collect` could panic.
             let _ = inliers.push(observation.is_inlier);
         }
-        Fitted { state, goodness_of_fit, is_in_front: *is_in_front, inliers }
+        inliers
     }
 
     #[inline(never)]
     fn goodness_of_fit(&self) -> GoodnessOfFit<S> {
         let near = self.last.solution.near(self.equations.units);
         let kept = self.equations.observed.iter().zip(&self.observations);
-        GoodnessOfFit::of(kept.filter(|(_, observation)| observation.is_inlier).map(|(equation, observation)| {
-            let residual_px = near.deviation::<S>(equation) * observation.sigma_px;
-            (residual_px, observation.sigma_px)
-        }))
+        let kept = kept.filter(|(_, observation)| observation.is_inlier);
+        GoodnessOfFit::of(kept.map(|(equation, observation)| (near.deviation(equation), observation.per_sigma())))
     }
 }

@@ -18,17 +18,20 @@ impl<S: Scalar> GoodnessOfFit<S> {
     /// Without residuals.
     pub(crate) const NONE: Self = Self { misfit: S::ZERO, departure_px: S::ZERO };
 
-    /// From the residuals in pixels, each with one sigma of its noise.
+    /// From the residuals in units of their sigmas, each with one over that sigma in pixels.
     pub(crate) fn of(residuals: impl Iterator<Item = (S, S)>) -> Self {
         let most = S::from_i32(MOST_SIGMAS * MOST_SIGMAS);
         // Knots are means over curved arcs: what that costs is no sign of a bend.
         let floor_px2 = S::ratio(1, 256 * 256);
         let no_bend = S::from_i32(NO_BEND_SIGMAS);
         let (mut count, mut squares, mut departure_px) = (0, S::ZERO, S::ZERO);
-        for (residual_px, sigma_px) in residuals {
-            let variance_px2 = sigma_px * sigma_px + floor_px2;
-            squares = squares + (residual_px * residual_px / variance_px2).min(most);
-            departure_px = departure_px.max(residual_px.abs() - no_bend * sigma_px);
+        for (deviation, per_sigma) in residuals {
+            let floor = S::ONE + floor_px2 * per_sigma * per_sigma;
+            squares = squares + (deviation * deviation / floor).min(most);
+            let beyond = deviation.abs() - no_bend;
+            if beyond > S::ZERO {
+                departure_px = departure_px.max(beyond / per_sigma);
+            }
             count += 1;
         }
         if count <= SPENT {

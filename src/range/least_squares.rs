@@ -181,9 +181,14 @@ impl<S: Scalar> Solution<S> {
         over(self.ww)
     }
 
-    /// One over the variance of the inverse depth.
+    /// Zero where nothing tells the inverse depth.
+    pub(super) fn variance_of_inverse_depth(&self) -> S {
+        over(self.qq) + self.c * self.c * over(self.ww)
+    }
+
+    /// One over that variance.
     pub(crate) fn information_of_inverse_depth(&self) -> S {
-        over(over(self.qq) + self.c * self.c * over(self.ww))
+        over(self.variance_of_inverse_depth())
     }
 
     /// The change of bearing, inverse depth and tilt which costs least among those of a given change of the inverse
@@ -192,6 +197,29 @@ impl<S: Scalar> Solution<S> {
         let qq_c = self.qq * self.c;
         let across = -(qq_c * inverse_depth * over(self.ww + qq_c * self.c));
         self.unknowns(S::ZERO, inverse_depth + self.c * across, across)
+    }
+
+    /// How small errors of y, one for each equation, move the unknowns: adds that of an equation, in its sigma, to the
+    /// sums over the equations.
+    pub(super) fn respond(&self, [mean, along, across]: &mut [S; 3], equation: &Equation<S>, error: S) {
+        *mean = mean.plus_product(error, equation.one);
+        *along = along.plus_product(error, equation.q);
+        *across = across.plus_product(error, self.across(equation));
+    }
+
+    /// These sums for errors that are a factor on q, as it was before it was centred, in all equations: these are
+    /// orthogonal.
+    pub(super) fn response_of_q(&self, factor: S) -> [S; 3] {
+        [factor * self.mean_q * self.weight, factor * self.qq, S::ZERO]
+    }
+
+    /// From these sums, each, to changes of bearing, inverse depth and tilt.
+    pub(super) fn respond_all(&self, responses: &mut [[S; 3]]) {
+        let [per_weight, per_qq, per_ww] = [self.weight, self.qq, self.ww].map(over);
+        for response in responses {
+            let [mean, along, across] = *response;
+            *response = self.unknowns(mean * per_weight, along * per_qq, across * per_ww);
+        }
     }
 
     /// Covariance from the noise of all equations, the priors included.
@@ -242,36 +270,5 @@ impl<N: Near> NearSolution<N> {
     pub(super) fn uncentred(&self, equation: &Equation<N>) -> [N; 2] {
         let Equation { one, q, w, .. } = *equation;
         [q.minus_scaled(-one, self.mean_q), w.minus_scaled(-one, self.mean_w)]
-    }
-}
-
-/// How small errors of y, one for each equation, move the unknowns: sums over the equations.
-#[derive(Clone, Copy)]
-pub(crate) struct Response<S> {
-    mean: S,
-    along: S,
-    across: S,
-}
-
-impl<S: Scalar> Response<S> {
-    pub(crate) const NONE: Self = Self { mean: S::ZERO, along: S::ZERO, across: S::ZERO };
-
-    /// Of errors of y that are a factor on q, as it was before it was centred, in all equations: these are orthogonal.
-    pub(crate) fn of_q(solution: &Solution<S>, factor: S) -> Self {
-        let mean = factor * solution.mean_q * solution.weight;
-        Self { mean, along: factor * solution.qq, across: S::ZERO }
-    }
-
-    /// Adds an error of y of an equation, in its sigma.
-    pub(crate) fn add(&mut self, solution: &Solution<S>, equation: &Equation<S>, error: S) {
-        self.mean = self.mean.plus_product(error, equation.one);
-        self.along = self.along.plus_product(error, equation.q);
-        self.across = self.across.plus_product(error, solution.across(equation));
-    }
-
-    /// Changes of bearing, inverse depth and tilt.
-    pub(crate) fn change(&self, solution: &Solution<S>) -> [S; 3] {
-        let (along, across) = (self.along * over(solution.qq), self.across * over(solution.ww));
-        solution.unknowns(self.mean * over(solution.weight), along, across)
     }
 }

@@ -18,6 +18,12 @@ pub(crate) struct Line3<S> {
 }
 
 impl<S: Scalar> Line3<S> {
+    /// Without even a direction.
+    pub(super) const NOTHING: Self = {
+        let (Unknowns { bearing, inverse_depth, tilt }, none) = (Unknowns::NOTHING, [S::ZERO; 3]);
+        Self { bearing, inverse_depth, tilt, gravity: none, lean: none }
+    };
+
     /// A line of which nothing is known but the direction of gravity.
     pub(crate) fn start(gravity: [S; 3]) -> Self {
         let [gx, gy, _] = gravity;

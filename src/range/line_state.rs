@@ -35,6 +35,10 @@ impl<S: Scalar> Statement<S> {
 }
 
 impl<S: Scalar> LineState<S> {
+    /// Room for one.
+    pub(crate) const NOTHING: Self =
+        Self { line3: Line3::NOTHING, covariance: Covariance::NONE, sensitivity: Sensitivity::NONE };
+
     pub(crate) fn statements(&self) -> [Statement<S>; 3] {
         let statements = self.covariance.statements();
         statements.map(|(coefficients, variance)| Statement { coefficients, per_sigma: over(variance.sqrt()) })

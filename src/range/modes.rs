@@ -8,9 +8,9 @@ use crate::scalar::{Scalar, over};
 /// after the other. Each has one value for each sample, in units of its sigma.
 ///
 /// *Source*: the three-term recurrence of discrete orthogonal polynomials (Forsythe 1957).
-pub(super) struct Modes<S, const N: usize> {
+pub(super) struct Modes<S: Scalar, const N: usize> {
     /// Along the edge, −1 to 1 from the first sample to the last.
-    places: Vec<S, N>,
+    places: Vec<S::Kept, N>,
     /// The values of the current mode and of the one before.
     values: Vec<[S; 2], N>,
     /// One over the sum of the squares of the current mode's values.
@@ -26,12 +26,12 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
         let mut modes = Self { places: Vec::new(), values: Vec::new(), per_square: S::ZERO, recurrence: [S::ZERO; 2] };
         for (place, per_sigma) in samples {
             // There is room: as many as observations of a line.
-            let _ = (modes.places.push(place), modes.values.push([per_sigma, S::ZERO]));
+            let _ = (modes.places.push(place.kept()), modes.values.push([per_sigma, S::ZERO]));
         }
         let (first, last) = (modes.places.first().copied(), modes.places.last().copied());
-        let [first, last] = [first, last].map(|place| place.unwrap_or(S::ZERO));
-        let (middle, per_half) = ((first + last).half(), S::ONE / (last - first).half());
-        modes.places.iter_mut().for_each(|place| *place = (*place - middle) * per_half);
+        let [first, last] = [first, last].map(|place| place.map_or(S::ZERO, S::of_kept));
+        let (middle, per_half) = ((first + last).half(), (last - first).half().reciprocal());
+        modes.places.iter_mut().for_each(|place| *place = ((S::of_kept(*place) - middle) * per_half).kept());
         modes.measure();
         modes
     }
@@ -50,7 +50,7 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
     pub(super) fn advance(&mut self) {
         let [mean, growth] = self.recurrence;
         for ([value, before], place) in self.values.iter_mut().zip(&self.places) {
-            (*value, *before) = ((*value * (*place - mean)).minus_product(*before, growth), *value);
+            (*value, *before) = ((*value * (S::of_kept(*place) - mean)).minus_product(*before, growth), *value);
         }
         self.measure();
     }
@@ -59,7 +59,7 @@ impl<S: Scalar, const N: usize> Modes<S, N> {
         let (mut sum, mut moment) = (S::ZERO, S::ZERO);
         for ([value, _], place) in self.values.iter().zip(&self.places) {
             let square = *value * *value;
-            (sum, moment) = (sum + square, moment.plus_product(square, *place));
+            (sum, moment) = (sum + square, moment.plus_product(square, S::of_kept(*place)));
         }
         let per_square_before = self.per_square;
         self.per_square = over(sum);

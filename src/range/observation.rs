@@ -107,9 +107,10 @@ pub(crate) struct Observation<S: Scalar> {
     pub(crate) normals: Normals<S>,
     /// Bearings to the right and downwards in the camera's axes at that time, in the unit of the ray.
     pub(super) near_bearings: [S::Near; 2],
-    pub(crate) time_s: S,
-    pub(crate) sigma_px: S,
-    pub(crate) per_sigma: S,
+    time_s: S::Kept,
+    rows: S::Kept,
+    sigma_px: S::Kept,
+    per_sigma: S::Kept,
     /// False once the robust fit has rejected it.
     pub(crate) is_inlier: bool,
 }
@@ -161,9 +162,11 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         Some(Observation {
             normals,
             near_bearings: span.middle,
-            time_s: sample.time_s,
-            sigma_px,
-            per_sigma: over(sigma_px),
+            time_s: sample.time_s.kept(),
+            // n rows have a variance of n²/12.
+            rows: (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE).kept(),
+            sigma_px: sigma_px.kept(),
+            per_sigma: over(sigma_px).kept(),
             is_inlier: true,
         })
     }
@@ -225,6 +228,11 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         if let Some(passage) = self.steady.as_ref().and_then(|rates| rates.passage::<S>(time_s, half_s)) {
             return passage;
         }
+        self.passage_by_pose(time_s, half_s)
+    }
+
+    #[inline(never)]
+    fn passage_by_pose(&self, time_s: S, half_s: S) -> Passage<S::Near> {
         let pose = self.motion.pose(time_s);
         let (position, half_position) = (pose.position_m, scale(pose.velocity_m_s, half_s));
         let reach = size_of_all(position).max(size_of_all(half_position)) + 1;
@@ -285,8 +293,27 @@ impl<S: Scalar> Observation<S> {
         self.near_bearings.map(|part| S::of_near(part, self.normals.units.ray()))
     }
 
-    pub(super) fn with_sigma(self, sigma_px: S) -> Self {
-        Self { sigma_px, per_sigma: over(sigma_px), ..self }
+    pub(super) fn time_s(&self) -> S {
+        S::of_kept(self.time_s)
+    }
+
+    /// Number of rows that it is the mean of, at least one.
+    pub(super) fn rows(&self) -> S {
+        S::of_kept(self.rows)
+    }
+
+    /// Stated noise.
+    pub(crate) fn sigma_px(&self) -> S {
+        S::of_kept(self.sigma_px)
+    }
+
+    /// One over the sigma that a fit takes it with: of its noise, or also of the edge.
+    pub(super) fn per_sigma(&self) -> S {
+        S::of_kept(self.per_sigma)
+    }
+
+    pub(super) fn set_per_sigma(&mut self, per_sigma: S) {
+        self.per_sigma = per_sigma.kept();
     }
 }
 
@@ -299,7 +326,7 @@ pub(crate) struct RowPlane<S> {
 
 impl<S: Scalar> RowPlane<S> {
     pub(crate) fn new<M: Motion<S>>(motion: &M, observation: &Observation<S>) -> Self {
-        let pose = motion.pose(observation.time_s);
+        let pose = motion.pose(observation.time_s());
         let [u, w] = observation.bearings();
         let ([_, dy, dz], [_, y, z]) = (pose.rotate([u, w, S::ONE]), pose.position_m);
         Self { slope: dy / dz, y, z }

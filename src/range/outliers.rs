@@ -16,12 +16,11 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
     pub(super) fn first_without_far_samples(&mut self) -> Result<bool, FitError> {
         self.first_round()?;
-        let sizes = self.deviations(&self.last.solution, &[]);
-        let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
+        let (part, stands_out) = self.largest_part();
         if !(part > S::from_i32(FAR_SIGMAS)) {
             return Ok(true);
         }
-        if !is_beyond_robust_scale(part, &sizes) {
+        if !stands_out {
             return Ok(self.may_be_straight());
         }
         // Some or none: its equations have been reweighted.
@@ -53,11 +52,17 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Whether a sample deviates so much that it may be an outlier: by more than three times the robust scale, which is
     /// to say that most samples deviate by less than a third of that.
-    #[inline(never)]
     fn has_suspicious_samples(&self) -> bool {
+        let (part, stands_out) = self.largest_part();
+        part > least_scale() && stands_out
+    }
+
+    /// A third of the largest deviation, and whether that is beyond the robust scale.
+    #[inline(never)]
+    fn largest_part(&self) -> (S, bool) {
         let sizes = self.deviations(&self.last.solution, &[]);
         let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
-        part > least_scale() && is_beyond_robust_scale(part, &sizes)
+        (part, is_beyond_robust_scale(part, &sizes))
     }
 
     /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
@@ -79,7 +84,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// or `None` where none is rejected.
     #[inline(never)]
     fn reject_outliers(&mut self) -> Option<[S; 3]> {
-        let (solution, scales) = self.reweight();
+        let mut scales = Vec::new();
+        let solution = self.reweight(&mut scales);
         let sizes = self.deviations(&solution, &scales);
         let count = sizes.len();
         // From few samples the robust scale is not well known.
@@ -95,12 +101,11 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         leave_out.then(|| solution.change())
     }
 
-    /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution, and by
-    /// what the noise of each observation has been scaled.
+    /// Least absolute deviations of the equations as they stand, by iterative reweighting (IRLS): the solution; `scales`
+    /// is by what the noise of each observation has been scaled.
     #[inline(never)]
-    fn reweight(&mut self) -> (Solution<S>, Vec<S, N>) {
+    fn reweight(&mut self, scales: &mut Vec<S, N>) -> Solution<S> {
         let mut solution = self.last.solution;
-        let mut scales: Vec<S, N> = Vec::new();
         for _ in &self.observations {
             let _ = scales.push(S::ONE);
         }
@@ -108,7 +113,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         for _ in 0..REWEIGHTING_ROUNDS {
             let mut has_settled = true;
             let near = solution.near(self.equations.units);
-            for (equation, scale) in self.equations.observed.iter_mut().zip(&mut scales) {
+            for (equation, scale) in self.equations.observed.iter_mut().zip(scales.iter_mut()) {
                 let deviation = near.deviation::<S>(equation).abs() * *scale;
                 let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
                 let factor = *scale / next;
@@ -121,7 +126,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 break;
             }
         }
-        (solution, scales)
+        solution
     }
 }
 

@@ -62,6 +62,8 @@ impl<S: Scalar> PriorError<'_, S> {
 }
 
 impl<'a, S: Scalar> Prior<'a, S> {
+    // Not inlined: what it is made of would stay on the stack beside it.
+    #[inline(never)]
     pub(super) fn new(
         state: Option<&'a LineState<S>>,
         blur: Option<&'a BlurMeasurement<S>>,

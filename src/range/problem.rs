@@ -10,7 +10,6 @@ use super::tuning::{
     FULL_ROUNDS, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART, SETTLED_PART,
 };
 use super::unknowns::{NearUnknowns, Unknowns};
-use super::wander::Stretch;
 use crate::error::FitError;
 use crate::scalar::{Arithmetic, Near, Scalar, over};
 use crate::setup::Setup;
@@ -20,8 +19,6 @@ pub(super) struct Problem<'a, S: Scalar, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) prior: &'a Prior<'a, S>,
     pub(super) observations: Vec<Observation<S>, N>,
-    /// The parts of the edge that these are of.
-    pub(super) stretches: Vec<Stretch<S>, N>,
     pub(super) equations: Equations<S, N>,
     pub(super) last: Solved<S>,
 }
@@ -55,6 +52,12 @@ impl<S: Scalar> Solved<S> {
     }
 }
 
+/// Where rounds may start: near the better path, and where another place may fit better.
+struct Candidates<S> {
+    better: Unknowns<S>,
+    rivals: [Option<Unknowns<S>>; 2],
+}
+
 #[derive(Clone, Copy, PartialEq)]
 enum Round {
     /// Nothing is known yet: the equations are those of the noisy observations themselves, without the blur.
@@ -83,7 +86,8 @@ fn observe<S: Scalar>(
         return Some((Equation::NEAR_NOTHING, EquationUnits::SMALLEST, residual.is_in_front()));
     }
     // A pixel along the row in units of the noise.
-    let per_miss = observation.per_sigma / residual.per_px();
+    let px_per_miss = residual.per_px().reciprocal();
+    let per_miss = observation.per_sigma() * px_per_miss;
     // So small that no sum of products leaves the range.
     let scale = per_miss.size() + 1;
     let near_per_miss = per_miss.near(scale);
@@ -93,9 +97,9 @@ fn observe<S: Scalar>(
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
     let change = if round == Round::Later { at.change_along_row(normals) } else { [none; 2] };
     if change != [none; 2] {
-        let off_px = S::of_near(y, units.y()) * observation.sigma_px;
-        let ([one_per_px, q_per_px], off) = (change, off_px.near(-normals.units.per_px()));
-        (one, q) = (one.plus_product(one_per_px, off), q.plus_product(q_per_px, off));
+        let miss_px = S::of_near(miss, -finer) * px_per_miss;
+        let ([one_per_px, q_per_px], off) = (change, miss_px.near(-normals.units.per_px()));
+        (one, q) = (one.minus_product(one_per_px, off), q.minus_product(q_per_px, off));
     }
     let [one, q, w] = [one, q, residual.per_tilt].map(|part| part.times(near_per_miss));
     Some((Equation { one, q, w, y }, units, residual.is_in_front()))
@@ -104,6 +108,15 @@ fn observe<S: Scalar>(
 /// That of all.
 fn reach_of<S: Scalar>(observations: &[Observation<S>]) -> i32 {
     observations.first().map_or(0, |observation| observation.normals.units.reach())
+}
+
+impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
+    /// Without observations.
+    // Not inlined: what it is made of would stay on the stack beside it.
+    #[inline(never)]
+    pub(super) fn new(setup: &'a Setup<S>, prior: &'a Prior<'a, S>) -> Self {
+        Self { setup, prior, observations: Vec::new(), equations: Equations::new(), last: Solved::NOTHING }
+    }
 }
 
 impl<S: Scalar, const N: usize> Problem<'_, S, N> {
@@ -122,10 +135,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         self.prior.equations(self.setup, at, round == Round::Later, |equation, _| {
             equations.push_prior(equation);
         });
-        let solution = solve(equations);
-        let found = at.moved(solution.change());
-        let is_in_front = is_in_front && found.inverse_depth > S::ZERO;
-        self.last = Solved { at: *at, found, solution, is_in_front, has_settled: true };
+        // In place: a copy would take room.
+        let last = &mut self.last;
+        last.solution = solve(equations);
+        (last.at, last.found) = (*at, at.moved(last.solution.change()));
+        last.is_in_front = is_in_front && last.found.inverse_depth > S::ZERO;
+        last.has_settled = true;
         Ok(())
     }
 
@@ -143,7 +158,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro
     /// between two places meet halfway. Whether they converge.
-    fn converge(&mut self, start: &Unknowns<S>) -> bool {
+    pub(super) fn converge(&mut self, start: &Unknowns<S>) -> bool {
         let nearby = S::ratio(1, NEARBY_PART * NEARBY_PART);
         let mut next = *start;
         let mut before = S::ZERO;
@@ -211,13 +226,32 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         true
     }
 
+    /// Equations of samples as they were before they were centred.
+    pub(super) fn equations_of<const M: usize>(&self, samples: [usize; M]) -> [Option<Equation<S>>; M] {
+        let units = self.equations.units;
+        let near = self.last.solution.near(units);
+        samples.map(|index| {
+            let equation = self.equations.observed.get(index)?;
+            let [q, w] = near.uncentred(equation);
+            Some(Equation { q, w, ..*equation }.whole(units))
+        })
+    }
+
+    /// The equation of a sample linearised about another place.
+    pub(super) fn equation_at(&self, at: &Unknowns<S>, index: usize) -> Option<Equation<S>> {
+        let observation = self.observations.get(index)?;
+        let near = at.near(observation.normals.units.reach());
+        let (equation, units, _) = observe(observation, &near, Round::Later)?;
+        Some(equation.whole(units))
+    }
+
     /// Mean square of all deviations.
     pub(super) fn scatter(&self) -> S {
         self.cost() / S::from_i32(self.observations.len().max(1) as i32)
     }
 
     /// Sum of the squares of all deviations.
-    fn cost(&self) -> S {
+    pub(super) fn cost(&self) -> S {
         self.last.solution.cost(&self.equations)
     }
 
@@ -247,14 +281,16 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Solves the equations of the last round once more, whose sigmas have changed since, and goes on from there only
     /// if that moves the estimate.
+    #[inline(never)]
     pub(super) fn settle_again(&mut self) -> Result<(), FitError> {
-        let solution = solve(&mut self.equations);
-        let found = self.last.at.moved(solution.change());
-        if !(solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART)) {
+        let last = &mut self.last;
+        last.solution = solve(&mut self.equations);
+        last.found = last.at.moved(last.solution.change());
+        if !(last.solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART)) {
+            let found = last.found;
             return self.settle(&found);
         }
-        let is_in_front = self.last.is_in_front && found.inverse_depth > S::ZERO;
-        self.last = Solved { found, solution, is_in_front, ..self.last };
+        last.is_in_front &= last.found.inverse_depth > S::ZERO;
         Ok(())
     }
 
@@ -309,24 +345,30 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// the best of those near the others, with its cost.
     #[inline(never)]
     fn starts(&mut self) -> (Unknowns<S>, Option<(Unknowns<S>, S)>) {
-        let Solved { found: start, solution: first, .. } = self.last;
+        let Some(Candidates { better, rivals }) = self.candidates() else { return (self.last.found, None) };
+        let mut best: Option<(Unknowns<S>, S)> = None;
+        for rival in rivals.iter().flatten() {
+            if self.converge(rival) && self.last.is_in_front {
+                let cost = self.cost();
+                best = best.filter(|(_, least)| *least <= cost).or(Some((self.last.at, cost)));
+            }
+        }
+        (better, best)
+    }
+
+    /// The place near the better path, and those that may win over it; `None` where no path tells.
+    #[inline(never)]
+    fn candidates(&self) -> Option<Candidates<S>> {
+        let Solved { found: start, solution: first, .. } = &self.last;
         let information = first.information_of_inverse_depth();
-        let paths = self.prior.blur.and_then(|blur| blur.either_path(&start, information));
-        let Some([better, other]) = paths else { return (start, None) };
+        let [better, other] = self.prior.blur?.either_path(start, information)?;
         let near = |change_per_m| start.moved(first.change_with(change_per_m));
         let rival_cost = S::from_i32(RIVAL_COST);
         // Where the blur is that of a path next to nothing, both are the same place.
         let apart = other.change_per_m - better.change_per_m;
         let is_apart = apart * apart * information > S::ratio(1, NEARBY_PART * NEARBY_PART);
         let is_rival = is_apart && other.cost < better.cost + rival_cost;
-        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(start)];
-        let mut best: Option<(Unknowns<S>, S)> = None;
-        for rival in rivals.into_iter().flatten() {
-            if self.converge(&rival) && self.last.is_in_front {
-                let cost = self.cost();
-                best = best.filter(|(_, least)| *least <= cost).or(Some((self.last.at, cost)));
-            }
-        }
-        (near(better.change_per_m), best)
+        let rivals = [is_rival.then(|| near(other.change_per_m)), (better.cost > rival_cost).then_some(*start)];
+        Some(Candidates { better: near(better.change_per_m), rivals })
     }
 }

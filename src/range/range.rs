@@ -56,19 +56,20 @@ impl<S: Scalar> Range<S> {
     /// *Cost*: a [`fit`](crate::fit) over the line's knots and a few rays.
     #[must_use]
     pub fn from_line<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
-        Self::continued(setup, motion, line, None, SampleSet::default()).0
+        Self::continued(setup, motion, line, None, SampleSet::default(), &mut None)
     }
 
-    /// The range of a line of which earlier frames may have told something, and what is known of it now; nothing where
-    /// nothing could be fitted.
+    /// The range of a line of which earlier frames may have told something. `known` becomes what is known of it now;
+    /// nothing where nothing could be fitted.
     pub(crate) fn continued<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
         earlier: Option<&LineState<S>>,
         left_out: SampleSet,
-    ) -> (Self, Option<LineState<S>>) {
-        Self::fitted(setup, motion, line, earlier, left_out, false)
+        known: &mut Option<LineState<S>>,
+    ) -> Self {
+        Self::fitted(setup, motion, line, earlier, left_out, false, known)
     }
 
     /// The range that is to be expected of an edge, from a line that is drawn where it will be seen.
@@ -77,7 +78,7 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
     ) -> Self {
-        Self::fitted(setup, motion, line, None, SampleSet::default(), true).0
+        Self::fitted(setup, motion, line, None, SampleSet::default(), true, &mut None)
     }
 
     fn fitted<M: Motion<S>, const KNOTS: usize>(
@@ -87,7 +88,8 @@ impl<S: Scalar> Range<S> {
         earlier: Option<&LineState<S>>,
         left_out: SampleSet,
         is_drawn: bool,
-    ) -> (Self, Option<LineState<S>>) {
+        known: &mut Option<LineState<S>>,
+    ) -> Self {
         let blur = BlurMeasurement::of_line(setup, motion, line);
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
@@ -95,23 +97,45 @@ impl<S: Scalar> Range<S> {
         let blur_enters = is_in_question && setup.widths_are_known();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
         let entering = blur.as_ref().filter(|_| blur_enters);
-        let prior = Prior { is_drawn, ..Prior::new(earlier, entering, width_px, left_out) };
-        let fitted = fit_with::<S, M, KNOTS>(setup, motion, &mut line.samples(), &prior);
+        let mut prior = Prior::new(earlier, entering, width_px, left_out);
+        prior.is_drawn = is_drawn;
+        let state = known.insert(LineState::NOTHING);
+        let fitted = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, state);
+        Self::told(setup, motion, line, &prior, blur.as_ref(), fitted, known)
+    }
+
+    /// What a fit with a prior has told, beside the blur, which need not have entered it.
+    // Not inlined: a range has room on the stack when the fit has left it.
+    #[inline(never)]
+    fn told<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        prior: &Prior<'_, S>,
+        blur: Option<&BlurMeasurement<S>>,
+        fitted: Result<Fitted<S, KNOTS>, FitError>,
+        known: &mut Option<LineState<S>>,
+    ) -> Self {
         let mut range = Self::unfitted(line);
-        let filled = fitted.as_ref().map_err(|error| *error);
-        let fill = |fitted| range.fill(setup, motion, line, fitted, earlier.is_none()).map(|()| fitted);
-        let filled = filled.and_then(fill);
-        let state = filled.as_ref().ok().map(|fitted| &fitted.state);
-        if let Some((state, blur)) = state.zip(blur.as_ref()) {
-            range.compare_with_blur(blur, &state.line3, blur_enters);
-        }
+        let filled = fitted.and_then(|fitted| {
+            // There is one of what has been fitted.
+            let state = known.as_ref().ok_or(FitError::Diverged)?;
+            range.fill(setup, motion, line, (&fitted, state), prior.state.is_none())?;
+            if let Some(blur) = blur {
+                range.compare_with_blur(blur, &state.line3, prior.blur.is_some());
+            }
+            Ok(())
+        });
         match filled {
             Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
             Err(FitError::Diverged) => range.status = status_of(setup, line, &range.estimate),
             // A line of too few knots; the others cannot come from a line.
-            Ok(_) | Err(_) => {}
+            Ok(()) | Err(_) => {}
         }
-        (range, state.copied())
+        if filled.is_err() {
+            *known = None;
+        }
+        range
     }
 
     /// What was known of an edge before a line that tells nothing of it.
@@ -133,6 +157,7 @@ impl<S: Scalar> Range<S> {
     }
 
     /// A line of which nothing but its place in the image is known.
+    #[inline(never)]
     fn unfitted<const KNOTS: usize>(line: &Line<KNOTS>) -> Self {
         let (top, bottom) = line.top_and_bottom();
         Self {
@@ -157,12 +182,12 @@ impl<S: Scalar> Range<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        fitted: &Fitted<S, KNOTS>,
+        (fitted, state): (&Fitted<S, KNOTS>, &LineState<S>),
         is_single: bool,
     ) -> Result<(), FitError> {
-        self.estimate = fitted.estimate(setup)?;
+        self.estimate = fitted.estimate(state, setup)?;
         let (top, bottom) = line.top_and_bottom();
-        let line3 = &fitted.state.line3;
+        let line3 = &state.line3;
         self.column_at_first_row = column_at(setup, motion, line3, top);
         self.column_at_last_row = column_at(setup, motion, line3, bottom);
         self.points_used = line.points_in(fitted.inliers.iter().copied());

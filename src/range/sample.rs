@@ -42,16 +42,28 @@ impl<S: Scalar> Sample<S> {
         let spread = Spread { column_px: S::ZERO, row_px: S::ZERO, time_s: S::ZERO };
         Self { column_px, row_px, time_s, sigma_px, spread }
     }
+}
 
+/// The mean of a knot, without its spread.
+#[derive(Clone, Copy)]
+struct Mean<S> {
+    column_px: S,
+    row_px: S,
+    time_s: S,
+    sigma_px: S,
+}
+
+impl<S: Scalar> Mean<S> {
     /// With the spread of its rows, and the direction of the line from the neighbours on either side.
-    fn with_spread(self, row_px: S, before: &Self, after: &Self) -> Self {
+    fn with_spread(self, row_px: S, before: &Self, after: &Self) -> Sample<S> {
+        let sample = Sample::point(self.column_px, self.row_px, self.time_s, self.sigma_px);
         let rows = after.row_px - before.row_px;
         if rows == S::ZERO {
-            return self;
+            return sample;
         }
         let part = row_px / rows;
         let column_px = (after.column_px - before.column_px) * part;
-        Self { spread: Spread { column_px, row_px, time_s: (after.time_s - before.time_s) * part }, ..self }
+        Sample { spread: Spread { column_px, row_px, time_s: (after.time_s - before.time_s) * part }, ..sample }
     }
 }
 
@@ -59,13 +71,13 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// The mean of each knot that has points, in the order of readout.
     pub fn samples<S: Scalar>(&self) -> impl Iterator<Item = Sample<S>> {
         let spacing = self.row_spacing::<S>();
-        let first = self.first_point::<S>();
+        let first = Self::point_of::<S>(&self.first);
         // Most knots have as many points as the one before.
         let (mut points, mut per_point, mut row_sigma) = (0, S::ZERO, S::ZERO);
         let mut means = self.filled().map(move |knot| {
             if knot.points != points {
                 points = knot.points;
-                per_point = S::ONE / S::from_i32(i32::from(points));
+                per_point = S::from_i32(i32::from(points)).reciprocal();
                 row_sigma = self.row_sigma(points, spacing);
             }
             (row_sigma, self.mean(knot, &first, per_point))
@@ -85,11 +97,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// The samples at both ends and in the middle; one of them may stand for another. Only their knots are looked at.
     pub(crate) fn first_middle_and_last<S: Scalar>(&self) -> Option<[Sample<S>; 3]> {
         let count = self.filled().count();
-        let (spacing, first) = (self.row_spacing::<S>(), self.first_point::<S>());
+        let (spacing, first) = (self.row_spacing::<S>(), Self::point_of::<S>(&self.first));
         let at = |place: usize| {
             let mean = |place| {
                 let knot = self.filled().nth(place)?;
-                Some((knot.points, self.mean(knot, &first, S::ONE / S::from_i32(i32::from(knot.points)))))
+                Some((knot.points, self.mean(knot, &first, S::from_i32(i32::from(knot.points)).reciprocal())))
             };
             let (points, sample) = mean(place)?;
             let [before, after] = [place.checked_sub(1), Some(place + 1)].map(|place| place.and_then(mean));
@@ -101,7 +113,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
 
     /// A point on the way from the first point to the last, without noise.
     pub(super) fn point_between<S: Scalar>(&self, part: S) -> Sample<S> {
-        let (first, last) = (self.first_point::<S>(), Self::point_of(&self.last));
+        let [first, last] = [&self.first, &self.last].map(Self::point_of::<S>);
         let between = |first: S, last: S| first + (last - first) * part;
         Sample::point(
             between(first.column_px, last.column_px),
@@ -115,26 +127,23 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.knots.iter().filter(|knot| knot.points > 0)
     }
 
-    fn first_point<S: Scalar>(&self) -> Sample<S> {
-        Self::point_of(&self.first)
+    fn point_of<S: Scalar>(point: &EdgePoint) -> Mean<S> {
+        let row_px = S::from_i32(i32::from(point.row));
+        Mean { column_px: point.column_px(), row_px, time_s: point.time_s(), sigma_px: S::ZERO }
     }
 
-    fn point_of<S: Scalar>(point: &EdgePoint) -> Sample<S> {
-        Sample::point(point.column_px(), S::from_i32(i32::from(point.row)), point.time_s(), S::ZERO)
-    }
-
-    fn mean<S: Scalar>(&self, knot: &Knot, first: &Sample<S>, per_point: S) -> Sample<S> {
+    fn mean<S: Scalar>(&self, knot: &Knot, first: &Mean<S>, per_point: S) -> Mean<S> {
         let rows = if self.last.row < self.first.row { -i64::from(knot.rows) } else { i64::from(knot.rows) };
         let mean = |sum: i64| S::from_i64(sum) * per_point;
         let per_q16 = S::ratio(1, 1 << 16);
         let variances = knot.variances_q32.min(i64::MAX as u64) as i64;
-        Sample::point(
-            first.column_px + mean(knot.columns_q16) * per_q16,
-            first.row_px + mean(rows),
-            first.time_s + mean(knot.times_ns) * S::ratio(1, NS_PER_S as i32),
+        Mean {
+            column_px: first.column_px + mean(knot.columns_q16) * per_q16,
+            row_px: first.row_px + mean(rows),
+            time_s: first.time_s + mean(knot.times_ns) * S::ratio(1, NS_PER_S as i32),
             // The root of their sum, over their number.
-            S::from_i64(variances).sqrt() * per_q16 * per_point,
-        )
+            sigma_px: S::from_i64(variances).sqrt() * per_q16 * per_point,
+        }
     }
 
     /// Rows from one point to the next, if they are evenly spaced.

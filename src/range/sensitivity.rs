@@ -12,12 +12,15 @@ use crate::setup::Setup;
 pub(crate) struct Sensitivity<S>(pub(crate) [[S; 3]; SHARED_ERRORS]);
 
 impl<S: Scalar> Sensitivity<S> {
+    /// Of what no error moves.
+    pub(super) const NONE: Self = Self([[S::ZERO; 3]; SHARED_ERRORS]);
+
     /// Each error with what one standard deviation of it does.
     fn scaled_by_sigma(&self, setup: &Setup<S>, bearing: S) -> impl Iterator<Item = (SharedError, [S; 3])> {
-        let errors = SharedError::ALL.into_iter().zip(self.0);
+        let errors = SharedError::ALL.into_iter().zip(&self.0);
         errors.filter_map(move |(error, effect)| {
             let sigma = error.sigma(setup, bearing);
-            (sigma > S::ZERO).then(|| (error, scale(effect, sigma)))
+            (sigma > S::ZERO).then(|| (error, scale(*effect, sigma)))
         })
     }
 

@@ -1,7 +1,7 @@
 //! [`Settled`]: what shared errors do to a fit that has settled. docs/model.md, section 6.
 
 use super::equation::Equations;
-use super::least_squares::{Response, Solution};
+use super::least_squares::Solution;
 use super::observation::Observation;
 use super::prior::Prior;
 use super::sensitivity::Sensitivity;
@@ -28,57 +28,64 @@ pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
 }
 
 impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
+    // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
     #[inline(never)]
-    pub(super) fn sensitivity(&self) -> Sensitivity<S> {
-        let Self { setup, prior, observations, equations, at, solution, .. } = self;
+    pub(super) fn sensitivity(&self, Sensitivity(effects): &mut Sensitivity<S>) {
+        *effects = [[S::ZERO; 3]; SHARED_ERRORS];
+        self.respond_of_observations(effects);
+        self.respond_of_priors(effects);
+        self.solution.respond_all(effects);
+    }
+
+    #[inline(never)]
+    fn respond_of_observations(&self, [_, _, speed, of_each @ ..]: &mut [[S; 3]; SHARED_ERRORS]) {
+        let Self { setup, observations, equations, at, solution, .. } = self;
         // What is in the prior moves no observation.
         let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
-        let counts = SharedError::ALL.map(counts);
-        let mut responses = [Response::NONE; SHARED_ERRORS];
-        let [_, _, speed, of_each @ ..] = &mut responses;
-        let [.., speed_counts, _, _, _, _, _] = counts;
+        let [_, _, speed_counts, counts @ ..] = SharedError::ALL.map(counts);
         if speed_counts {
-            *speed = self.response_to_speed();
+            // q is the change of y with the inverse depth, which a relative error of the speed does not differ from.
+            *speed = solution.response_of_q(-at.inverse_depth);
         }
-        let [_, _, _, counts @ ..] = counts;
         let inliers = observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.is_inlier);
         for (observation, equation) in inliers.filter(|_| counts != [false; OF_EACH]) {
             let (equation, errors) = (&equation.whole(equations.units), self.errors(observation));
             for ((response, error), _) in of_each.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
-                response.add(solution, equation, error);
+                solution.respond(response, equation, error);
+            }
+        }
+    }
+
+    #[inline(never)]
+    fn respond_of_priors(&self, effects: &mut [[S; 3]; SHARED_ERRORS]) {
+        let Self { setup, prior, equations, at, solution, .. } = self;
+        let [_, _, speed, ..] = effects;
+        if *speed != [S::ZERO; 3] {
+            // The priors do not know of it.
+            for equation in &equations.prior {
+                let [q, _] = solution.uncentred(equation);
+                solution.respond(speed, equation, at.inverse_depth * q);
             }
         }
         let mut equations_of_prior = equations.prior.iter();
         prior.equations(setup, at, true, |_, prior_error| {
             let Some(equation) = equations_of_prior.next() else { return };
-            for (index, (response, error)) in responses.iter_mut().zip(SharedError::ALL).enumerate() {
+            for (index, (response, error)) in effects.iter_mut().zip(SharedError::ALL).enumerate() {
                 let error = prior_error.of(index, error);
                 if error != S::ZERO {
-                    response.add(solution, equation, error);
+                    solution.respond(response, equation, error);
                 }
             }
         });
-        Sensitivity(responses.map(|response| response.change(solution)))
-    }
-
-    /// q is the change of y with the inverse depth, which a relative error of the speed does not differ from; the
-    /// priors do not know of it.
-    fn response_to_speed(&self) -> Response<S> {
-        let (solution, rho) = (self.solution, self.at.inverse_depth);
-        let mut response = Response::of_q(solution, -rho);
-        for equation in &self.equations.prior {
-            let [q, _] = solution.uncentred(equation);
-            response.add(solution, equation, rho * q);
-        }
-        response
     }
 
     /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an
     /// observation, in its sigma.
+    #[inline(never)]
     fn errors(&self, observation: &Observation<S>) -> [S; OF_EACH] {
         let (none, rho) = (S::ZERO, self.at.inverse_depth);
-        let per_miss = -(observation.per_sigma / self.at.residual(&observation.normals).whole_per_px());
-        let pose = self.motion.pose(observation.time_s);
+        let per_miss = -(observation.per_sigma() / self.at.residual(&observation.normals).whole_per_px());
+        let pose = self.motion.pose(observation.time_s());
         let is_steady = self.motion.keeps_attitude();
         let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
         let [u, w] = observation.bearings();
@@ -87,10 +94,10 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         // F = d · h
         let place = sub([self.at.bearing, none, S::ONE], scale(pose.position_m, rho));
         let h = cross(self.direction, place);
-        let of_rate = scale(cross(direction, h), observation.time_s * per_miss);
+        let of_rate = scale(cross(direction, h), observation.time_s() * per_miss);
         // The camera is further along its path, and has turned further.
         let m = cross(direction, self.direction);
-        let of_advance = -(rho * observation.time_s * dot(m, pose.velocity_m_s)) * per_miss;
+        let of_advance = -(rho * observation.time_s() * dot(m, pose.velocity_m_s)) * per_miss;
         let of_readout = of_advance + dot(pose.rate_rad_s, of_rate);
         // R (u, w, 0)
         let of_focal = dot(sub(direction, ahead), h) * per_miss;

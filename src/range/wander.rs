@@ -4,59 +4,44 @@ use heapless::Vec;
 
 use super::goodness_of_fit::chance_limit;
 use super::modes::Modes;
-use super::sample::Sample;
+use super::observation::Observation;
 use super::tuning::{LONGEST_WANDER, MOST_SIGMAS, NOISY_SIGMAS, ROUGHNESS_ROWS, WANDER_MODES, WANDERING_SIGMAS};
 use crate::scalar::{Scalar, over};
+use crate::setup::Setup;
 
 /// Bearing and inverse depth, which the residuals do not show.
 const SPENT: usize = 2;
 
-/// The part of an edge that a sample is the mean of.
-#[derive(Clone, Copy)]
-pub(super) struct Stretch<S> {
-    column_px: S,
-    /// In rows, by its time.
-    place: S,
-    /// Number of rows, at least one.
-    rows: S,
-    /// Stated noise of the mean.
-    noise_px: S,
+const PS_PER_S: i64 = 1_000_000_000_000;
+
+/// The variance of a stretch of the edge, of a wander of 1 px that is alike over a number of rows. Within these
+/// averaging does not reduce it, and shorter stretches share it with their neighbours.
+fn variance_of_wander<S: Scalar>(stretch: &Observation<S>, alike_rows: S) -> S {
+    (alike_rows / stretch.rows()).max(S::ONE)
 }
 
-impl<S: Scalar> Stretch<S> {
-    pub(super) fn of(sample: &Sample<S>, noise_px: S, rows_per_s: S) -> Self {
-        let &Sample { column_px, time_s, spread, .. } = sample;
-        // n rows have a variance of n²/12.
-        let rows = (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE);
-        Self { column_px, place: time_s * rows_per_s, rows, noise_px }
-    }
-
-    /// Of a wander of 1 px that is alike over a number of rows. Within these averaging does not reduce it, and shorter
-    /// stretches share it with their neighbours.
-    fn variance_of_wander(&self, alike_rows: S) -> S {
-        (alike_rows / self.rows).max(S::ONE)
-    }
-
-    /// With the roughness that is stated.
-    pub(super) fn rough_sigma_px(&self, roughness_px: S) -> S {
-        let of_roughness = self.variance_of_wander(S::from_i32(ROUGHNESS_ROWS)) * roughness_px * roughness_px;
-        (self.noise_px * self.noise_px + of_roughness).sqrt()
-    }
+/// With the roughness that is stated.
+pub(super) fn rough_sigma_px<S: Scalar>(stretch: &Observation<S>, roughness_px: S) -> S {
+    let of_roughness = variance_of_wander(stretch, S::from_i32(ROUGHNESS_ROWS)) * roughness_px * roughness_px;
+    (stretch.sigma_px() * stretch.sigma_px() + of_roughness).sqrt()
 }
 
-/// The residual of a stretch in units of the sigma that the fit has used.
-pub(super) struct Residual<'a, S> {
-    stretch: &'a Stretch<S>,
-    per_sigma: S,
+/// The residual of a stretch of the edge.
+pub(super) struct Residual<'a, S: Scalar> {
+    stretch: &'a Observation<S>,
+    /// In units of the sigma that the fit has used.
     deviation: S,
-    /// The stated noise.
-    noise: S,
 }
 
 impl<'a, S: Scalar> Residual<'a, S> {
-    pub(super) fn new(stretch: &'a Stretch<S>, per_sigma: S, deviation: S) -> Self {
+    pub(super) fn new(stretch: &'a Observation<S>, deviation: S) -> Self {
         let cap = S::from_i32(MOST_SIGMAS);
-        Self { stretch, per_sigma, deviation: deviation.min(cap).max(-cap), noise: stretch.noise_px * per_sigma }
+        Self { stretch, deviation: deviation.min(cap).max(-cap) }
+    }
+
+    /// The stated noise, in the same units.
+    fn noise(&self) -> S {
+        self.stretch.sigma_px() * self.stretch.per_sigma()
     }
 }
 
@@ -85,16 +70,19 @@ impl<S: Scalar> Wander<S> {
     /// of its place and its lean, and parallax does not mind it: only roughness is left.
     pub(super) fn of<const N: usize>(
         residuals: &[Residual<'_, S>],
-        roughness_px: S,
+        setup: &Setup<S>,
         blur_px: S,
         is_known: bool,
     ) -> Option<Self> {
+        let roughness_px = setup.uncertainty().edge_roughness_px;
         let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
-        let extent = (last.place - first.place).abs();
+        let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
+        let extent = (last.time_s() - first.time_s()).abs() * rows_per_s;
         if residuals.len() <= SPENT || extent == S::ZERO {
             return None;
         }
-        let moved_px = (last.column_px - first.column_px).abs();
+        let ([first_u, _], [last_u, _]) = (first.bearings(), last.bearings());
+        let moved_px = (last_u - first_u).abs() * setup.camera().intrinsics().fx;
         // A Gaussian's correlation with itself has an integral of 2√π of its sigmas.
         let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
         let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
@@ -110,7 +98,7 @@ impl<S: Scalar> Wander<S> {
                 return None;
             }
         }
-        let kernel = Kernel::<S, N>::new(residuals, alike_rows);
+        let kernel = Kernel::<S, N>::new(residuals, alike_rows, rows_per_s);
         let shown = Shown::of(residuals, (!is_known).then_some(&kernel));
         let wander_px2 = if is_known { roughness_px * roughness_px } else { shown.wander_px2(residuals, roughness_px) };
         if shown.noise == S::ONE && wander_px2 == none {
@@ -120,16 +108,16 @@ impl<S: Scalar> Wander<S> {
         Some(Self { inflation: wander.inflation_with(residuals, &kernel), ..wander })
     }
 
-    fn noise_px2(&self, stretch: &Stretch<S>) -> S {
-        stretch.noise_px * stretch.noise_px * self.noise
+    fn noise_px2(&self, stretch: &Observation<S>) -> S {
+        stretch.sigma_px() * stretch.sigma_px() * self.noise
     }
 
-    fn variance_px2(&self, stretch: &Stretch<S>) -> S {
-        self.noise_px2(stretch) + self.wander_px2 * stretch.variance_of_wander(self.alike_rows)
+    fn variance_px2(&self, stretch: &Observation<S>) -> S {
+        self.noise_px2(stretch) + self.wander_px2 * variance_of_wander(stretch, self.alike_rows)
     }
 
     /// Sigma of a stretch such that a fit that takes it for white noise states the right one for the slope.
-    pub(super) fn sigma_px(&self, stretch: &Stretch<S>) -> S {
+    pub(super) fn sigma_px(&self, stretch: &Observation<S>) -> S {
         (self.variance_px2(stretch) * self.inflation).sqrt()
     }
 
@@ -138,9 +126,9 @@ impl<S: Scalar> Wander<S> {
     fn inflation_with<const N: usize>(&self, residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>) -> S {
         let none = S::ZERO;
         let (mut weights, mut moment, mut leverages) = (none, none, Vec::<(S, S), N>::new());
-        let middle = residuals.get(residuals.len() / 2).map_or(none, |residual| residual.stretch.place);
+        let middle = residuals.get(residuals.len() / 2).map_or(none, |residual| residual.stretch.time_s());
         for Residual { stretch, .. } in residuals {
-            let (place, weight) = (stretch.place - middle, over(self.variance_px2(stretch)));
+            let (place, weight) = (stretch.time_s() - middle, over(self.variance_px2(stretch)));
             (weights, moment) = (weights + weight, moment + weight * place);
             // There is room: as many as residuals.
             let _ = leverages.push((place, weight));
@@ -179,32 +167,32 @@ fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
 }
 
 /// Correlation of the wander from stretch to stretch.
-struct Kernel<S, const N: usize> {
+struct Kernel<S: Scalar, const N: usize> {
     /// Correlation with the stretch before, and what averaging within the stretch leaves of the wander.
-    links: Vec<(S, S), N>,
+    links: Vec<[S::Kept; 2], N>,
 }
 
 impl<S: Scalar, const N: usize> Kernel<S, N> {
     #[inline(never)]
-    fn new(residuals: &[Residual<'_, S>], alike_rows: S) -> Self {
+    fn new(residuals: &[Residual<'_, S>], alike_rows: S, rows_per_s: S) -> Self {
         let (length, mut kernel) = (alike_rows.half(), Self { links: Vec::new() });
-        let (per_length, length_of_three) = (over(length), length * S::from_i32(3));
-        let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.place);
+        let (lengths_per_s, length_of_three) = (rows_per_s / length, length * S::from_i32(3));
+        let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.time_s());
         let (mut rows, mut kept) = (S::ZERO, S::ZERO);
         for Residual { stretch, .. } in residuals {
-            let lengths = (stretch.place - before).abs() * per_length;
-            before = stretch.place;
+            let lengths = (stretch.time_s() - before).abs() * lengths_per_s;
+            before = stretch.time_s();
             // About e^−x, and never below zero.
-            let correlation = S::ONE / (S::ONE + lengths + (lengths * lengths).half());
+            let correlation = (S::ONE + lengths + (lengths * lengths).half()).reciprocal();
             // Most stretches have as many rows as the one before.
-            if stretch.rows != rows {
-                rows = stretch.rows;
+            if stretch.rows() != rows {
+                rows = stretch.rows();
                 // The mean over n rows of such a process keeps 1/(1 + n/3) of its variance.
                 let thirds = length_of_three / rows;
                 kept = (thirds / (S::ONE + thirds)).sqrt();
             }
             // There is room: as many as residuals.
-            let _ = kernel.links.push((correlation, kept));
+            let _ = kernel.links.push([correlation, kept].map(S::kept));
         }
         kernel
     }
@@ -212,9 +200,10 @@ impl<S: Scalar, const N: usize> Kernel<S, N> {
     /// Variance of a weighted sum over the wander of all stretches, in units of the wander's own.
     fn variance(&self, weights: impl Iterator<Item = S>) -> S {
         let (mut sum, mut carried) = (S::ZERO, S::ZERO);
-        for (weight, (correlation, kept)) in weights.zip(&self.links) {
-            let part = weight * *kept;
-            carried = carried * *correlation;
+        for (weight, link) in weights.zip(&self.links) {
+            let [correlation, kept] = link.map(S::of_kept);
+            let part = weight * kept;
+            carried = carried * correlation;
             sum = sum.plus_product(part, part + carried + carried);
             carried = carried + part;
         }
@@ -244,10 +233,11 @@ impl<S: Scalar> Shown<S> {
         let of_noise = if kernel.is_none() { S::from_i32(modes as i32) } else { none };
         let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise, of_wander: none, modes };
         let (mut rest, mut stated) = (none, none);
-        for Residual { deviation, noise, .. } in residuals {
-            (rest, stated) = (rest.plus_product(*deviation, *deviation), stated.plus_product(*noise, *noise));
+        for residual in residuals {
+            let (deviation, noise) = (residual.deviation, residual.noise());
+            (rest, stated) = (rest.plus_product(deviation, deviation), stated.plus_product(noise, noise));
         }
-        let places = residuals.iter().map(|residual| (residual.stretch.place, residual.per_sigma));
+        let places = residuals.iter().map(|residual| (residual.stretch.time_s(), residual.stretch.per_sigma()));
         let mut mode = Modes::<S, N>::new(places);
         for order in 0..SPENT + modes {
             if order > 0 {
@@ -262,9 +252,10 @@ impl<S: Scalar> Shown<S> {
             if order >= SPENT {
                 shown.power = shown.power + power;
                 if let Some(kernel) = kernel {
-                    let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise);
+                    let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise());
                     let of_noise = of_noise.fold(none, |sum, part| sum.plus_product(part, part));
-                    let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.per_sigma);
+                    let weights =
+                        mode.values().zip(residuals).map(|(part, residual)| part * residual.stretch.per_sigma());
                     shown.of_noise = shown.of_noise + of_noise * mode.per_square();
                     shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
                 }
@@ -300,7 +291,8 @@ impl<S: Scalar> Shown<S> {
             return if self.is_chance() { S::ZERO } else { shown_px2 };
         }
         // Noise is measured along the row. As far as it does not change from row to row it belongs to the columns.
-        let of_row = |Residual { stretch, .. }: &Residual<'_, S>| stretch.noise_px * stretch.noise_px * stretch.rows;
+        let of_row =
+            |Residual { stretch, .. }: &Residual<'_, S>| stretch.sigma_px() * stretch.sigma_px() * stretch.rows();
         let squares = residuals.iter().map(of_row).fold(S::ZERO, |sum, square| sum + square);
         let of_columns = squares / S::from_i32(residuals.len() as i32) * (S::ONE - self.share).max(S::ZERO);
         (roughness_px * roughness_px + of_columns).max(shown_px2)

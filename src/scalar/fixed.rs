@@ -94,6 +94,7 @@ impl Q32 {
         I32F32::from_bits(self.times_power_of_two(32).floor())
     }
 
+    #[inline(never)]
     pub(super) fn times_power_of_two(self, power: i32) -> Self {
         if self.mantissa == 0 { self } else { Self::bounded(self.mantissa, self.exponent + power) }
     }

@@ -142,17 +142,24 @@ impl Div for Q32 {
 
     #[inline(never)]
     fn div(self, other: Self) -> Self {
-        let size = other.mantissa.unsigned_abs();
-        if size == 0 || self.is_infinite() {
+        if other.mantissa == 0 || self.is_infinite() {
             return Self::bounded(if self.mantissa < 0 { i32::MIN } else { i32::MAX }, INFINITE);
         }
-        let reciprocal = reciprocal(size);
-        let mantissa = if other.mantissa < 0 { -reciprocal } else { reciprocal };
-        self * Self { mantissa, exponent: -61 - other.exponent }
+        self * other.inverse()
+    }
+}
+
+impl Q32 {
+    /// One over a number that is not zero.
+    #[inline(always)]
+    pub(super) fn inverse(self) -> Self {
+        let size = reciprocal(self.mantissa.unsigned_abs());
+        Self { mantissa: if self.mantissa < 0 { -size } else { size }, exponent: -61 - self.exponent }
     }
 }
 
 impl PartialOrd for Q32 {
+    #[inline(never)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         let signs = self.mantissa.signum().cmp(&other.mantissa.signum());
         let sizes = || (self.exponent, self.mantissa).cmp(&(other.exponent, other.mantissa));

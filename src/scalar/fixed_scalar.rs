@@ -4,6 +4,7 @@ use ::fixed::types::I4F28;
 
 use super::fixed::{INFINITE, OF_ZERO, Q32};
 use super::fixed_arithmetic::product_plus;
+use super::fixed_kept::Kept;
 use super::fixed_near::{FRACTION, Factor};
 use super::fixed_trigonometry::{arc_tangent, cosine, sine};
 use super::mantissa::root;
@@ -11,6 +12,7 @@ use super::scalar::Scalar;
 
 impl Scalar for Q32 {
     type Near = I4F28;
+    type Kept = Kept;
 
     const ZERO: Self = Self { mantissa: 0, exponent: OF_ZERO };
     const ONE: Self = Self { mantissa: 1 << 30, exponent: -30 };
@@ -21,6 +23,7 @@ impl Scalar for Q32 {
         Self::normalised(value, 0)
     }
 
+    #[inline(never)]
     fn from_i64(value: i64) -> Self {
         match i32::try_from(value) {
             Ok(small) => Self::from_i32(small),
@@ -73,6 +76,13 @@ impl Scalar for Q32 {
     fn to_i64(self) -> i64 {
         let size = Self { mantissa: self.mantissa.wrapping_abs(), ..self }.floor();
         if self.mantissa < 0 { -size } else { size }
+    }
+
+    #[inline(never)]
+    fn reciprocal(self) -> Self {
+        // Its exponent has yet to be seen to lie within the range.
+        let Self { mantissa, exponent } = if self.mantissa == 0 { return Self::ONE / self } else { self.inverse() };
+        Self::bounded(mantissa, exponent)
     }
 
     #[inline]
@@ -134,6 +144,16 @@ impl Scalar for Q32 {
     fn factor(self, exponent: i32) -> Factor {
         let left = self.size().saturating_sub(exponent).saturating_sub(1).clamp(0, 127);
         Factor { near: self.near(exponent.saturating_add(left)), left }
+    }
+
+    #[inline]
+    fn kept(self) -> Kept {
+        Kept::new(self)
+    }
+
+    #[inline]
+    fn of_kept(kept: Kept) -> Self {
+        kept.number()
     }
 
     fn sin(self) -> Self {

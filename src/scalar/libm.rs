@@ -24,10 +24,16 @@ macro_rules! scalar_on_libm {
             }
 
             fn from_i64(value: i64) -> Self {
+                // Not inlined: both would be converted, and one of them chosen.
+                #[cold]
+                #[inline(never)]
+                fn of_wide(value: i64) -> $float {
+                    value as $float
+                }
                 // Most fit into 32 bits, which some cores convert by an instruction.
                 match i32::try_from(value) {
                     Ok(small) => small as Self,
-                    Err(_) => value as Self,
+                    Err(_) => of_wide(value),
                 }
             }
 
@@ -35,7 +41,7 @@ macro_rules! scalar_on_libm {
                 if denominator == 0 {
                     return 0.0;
                 }
-                numerator as Self / denominator as Self
+                Self::from_i64(numerator) / Self::from_i64(denominator)
             }
 
             fn from_f64(value: f64) -> Self {

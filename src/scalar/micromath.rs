@@ -62,14 +62,21 @@ impl Scalar for Micro {
     }
 
     fn from_i64(value: i64) -> Self {
-        Self(value as f32)
+        // Not inlined: both would be converted, and one of them chosen.
+        #[cold]
+        #[inline(never)]
+        fn of_wide(value: i64) -> f32 {
+            value as f32
+        }
+        // Most fit into 32 bits, which the core converts by an instruction.
+        Self(i32::try_from(value).map_or_else(|_| of_wide(value), |small| small as f32))
     }
 
     fn from_ratio(numerator: i64, denominator: i64) -> Self {
         if denominator == 0 {
             return Self(0.0);
         }
-        Self(numerator as f32 / denominator as f32)
+        Self::from_i64(numerator) / Self::from_i64(denominator)
     }
 
     fn from_f64(value: f64) -> Self {

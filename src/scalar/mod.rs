@@ -27,6 +27,8 @@ mod fixed_trigonometry;
 #[cfg(feature = "fixed")]
 mod fixed_near;
 #[cfg(feature = "fixed")]
+mod fixed_kept;
+#[cfg(feature = "fixed")]
 mod fixed_scalar;
 #[cfg(feature = "libm")]
 mod libm;

@@ -153,6 +153,7 @@ pub(super) use near_itself;
 macro_rules! scalar_near_itself {
     () => {
         type Near = Self;
+        type Kept = Self;
 
         fn size(self) -> i32 {
             0
@@ -172,6 +173,14 @@ macro_rules! scalar_near_itself {
 
         fn factor(self, _: i32) -> Self {
             self
+        }
+
+        fn kept(self) -> Self {
+            self
+        }
+
+        fn of_kept(kept: Self) -> Self {
+            kept
         }
     };
 }

@@ -27,6 +27,9 @@ pub trait Scalar:
     /// power of two with others.
     #[doc(hidden)]
     type Near: Near;
+    /// What takes no more room than a number near one where many are kept: itself, or the upper 24 bits.
+    #[doc(hidden)]
+    type Kept: Copy + Debug;
 
     /// 0.
     const ZERO: Self;
@@ -82,9 +85,22 @@ pub trait Scalar:
     #[doc(hidden)]
     fn factor(self, exponent: i32) -> <Self::Near as Near>::Factor;
 
+    /// To be kept.
+    #[doc(hidden)]
+    fn kept(self) -> Self::Kept;
+
+    /// That has been kept.
+    #[doc(hidden)]
+    fn of_kept(kept: Self::Kept) -> Self;
+
     /// `numerator / denominator` of two small whole numbers, for constants in formulas.
     fn ratio(numerator: i32, denominator: i32) -> Self {
         Self::from_i32(numerator) / Self::from_i32(denominator)
+    }
+
+    /// One over it.
+    fn reciprocal(self) -> Self {
+        Self::ONE / self
     }
 
     /// `self + a * b`, where a back end has something better with the roundings of both.
@@ -144,7 +160,7 @@ pub(crate) fn size_of_all<S: Scalar, const N: usize>(values: [S; N]) -> i32 {
 
 /// The reciprocal of a positive number; zero for any other.
 pub(crate) fn over<S: Scalar>(value: S) -> S {
-    if value > S::ZERO { S::ONE / value } else { S::ZERO }
+    if value > S::ZERO { value.reciprocal() } else { S::ZERO }
 }
 
 /// Natural logarithm of a positive number, good to 10⁻⁶ or what the type resolves; that of the nearest power of two
@@ -165,7 +181,8 @@ pub(crate) fn ln<S: Scalar>(x: S) -> S {
     // ln x = 2 artanh((x − 1)/(x + 1))
     let t = (part - S::ONE) / (part + S::ONE);
     let square = t * t;
-    let series = [9, 7, 5, 3].into_iter().fold(S::ZERO, |sum, k| (sum + S::ratio(1, k)) * square);
+    let parts = [S::ratio(1, 9), S::ratio(1, 7), S::ratio(1, 5), S::ratio(1, 3)];
+    let series = parts.into_iter().fold(S::ZERO, |sum, part| (sum + part) * square);
     S::from_i32(halvings) * S::ratio(693_147, 1_000_000) + two * t * (S::ONE + series)
 }
 

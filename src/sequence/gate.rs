@@ -30,7 +30,7 @@ impl<S: Scalar> Comparison<S> {
         let [mean_sigma, difference_sigma, sigma_middle_px] =
             predicted.variance.map(|variance| variance.max(S::ZERO).sqrt());
         let [mixed, _, _] = predicted.mixed;
-        let noise = hypot(first.sigma_px, last.sigma_px);
+        let noise = hypot(first.sigma_px(), last.sigma_px());
         // A bend or a background is no noise: it adds up with the sigma, not with its square.
         let off = S::ratio(OFF_QUARTERS_PX, 4);
         let (mean_all, difference_all) = (hypot(mean_sigma, noise * half) + off, hypot(difference_sigma, noise) + off);

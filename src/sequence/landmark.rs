@@ -128,7 +128,7 @@ impl<S: Scalar> Landmark<S> {
         let sigma = static_sigma(comparison.sigma_middle_px);
         let has_moved = distance > sigma * S::from_i32(STATIC_SIGMAS);
         // Nothing but what is stated: it would not be in the sigma of what goes on.
-        let stated = hypot(comparison.sigma_middle_px, observation.middle.sigma_px);
+        let stated = hypot(comparison.sigma_middle_px, observation.middle.sigma_px());
         let is_doubtful = distance > stated * S::from_i32(DOUBTFUL_SIGMAS);
         // Where no edge is known yet, none can have moved.
         let contrast = contrast_square(self.contrast, observation.contrast);
@@ -191,7 +191,8 @@ impl<S: Scalar> Landmark<S> {
         let is_refuted = is_unsure && (matched.has_moved || self.frames == 2 && matched.is_doubtful);
         let begins_anew = has_moved || is_refuted;
         let earlier = (!begins_anew).then_some(&self.state);
-        let (range, state) = Range::continued(setup, motion, line, earlier, left_out);
+        let mut state = None;
+        let range = Range::continued(setup, motion, line, earlier, left_out, &mut state);
         match &state {
             Some(state) if is_informative(range.status) => {
                 let is_second = self.frames == 1 && !begins_anew;
@@ -250,7 +251,7 @@ impl<S: Scalar> Landmark<S> {
         let sigma = sigma_px(line3, &self.total(setup), observation);
         is_static
             && line3.residual(observation).px().zip(sigma).is_some_and(|(off, sigma)| {
-                let sigma = hypot(hypot(sigma, observation.sigma_px), S::ratio(1, WANDER_PARTS_PX));
+                let sigma = hypot(hypot(sigma, observation.sigma_px()), S::ratio(1, WANDER_PARTS_PX));
                 off.abs() > sigma * S::from_i32(GATE_SIGMAS)
             })
     }

@@ -292,8 +292,9 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
             let (range, unsure) = landmark.update(setup, motion, line, blend.samples, unsure_interval_s);
-            let anew =
-                |UnsureTime { earlier }| Range::continued(setup, motion, line, earlier.as_ref(), blend.samples).0;
+            let anew = |UnsureTime { earlier }| {
+                Range::continued(setup, motion, line, earlier.as_ref(), blend.samples, &mut None)
+            };
             unsure.map_or(range, anew)
         };
         landmark.name(range, most_chance, is_unsure)
@@ -349,7 +350,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         blend: Blend,
     ) -> Range<S> {
         let left_out = if blend.is_whole { SampleSet::default() } else { blend.samples };
-        let (range, state) = Range::continued(setup, motion, line, None, left_out);
+        let mut state = None;
+        let range = Range::continued(setup, motion, line, None, left_out, &mut state);
         // A bearing alone does not predict where the edge will be.
         let has_depth = range.estimate.sigma_inverse_depth_per_m < S::UNKNOWN;
         let Some(state) = state.filter(|_| may_begin(range.status) && has_depth) else { return range };

@@ -111,7 +111,8 @@ impl<S: Scalar> Vertical<S> {
         let mut planes: Vec<EdgePlane<S>, LONGEST> = Vec::new();
         let prior = setup.uncertainty().sigma_tilt_at(S::ZERO);
         for line in lines {
-            let (_, state) = Range::continued(setup, motion, line, None, SampleSet::default());
+            let mut state = None;
+            let _ = Range::continued(setup, motion, line, None, SampleSet::default(), &mut state);
             let Some(state) = state else { continue };
             let [_, _, sigma] = state.covariance.sigma();
             if sigma + sigma < prior {

@@ -1,7 +1,7 @@
 //! [`Distortion`]: the lens model of Brown and Conrady, and the rational one that extends it, in the order of OpenCV.
 
 use super::lens::{Lens, Mapped, Nearness};
-use crate::scalar::{Scalar, Whole};
+use crate::scalar::{Near, Scalar, Whole};
 
 /// Radial `k1` to `k3`, in the rational model divided by `k4` to `k6`, and tangential `p1`, `p2`. All zero, the
 /// default, is a lens without distortion.
@@ -59,18 +59,26 @@ impl<S: Scalar> Distortion<S> {
 
     /// From the ideal to the recorded point.
     pub(crate) fn distort(&self, point: [S; 2]) -> Mapped<Whole<S>> {
+        // What is near any number is the same: its code is there already.
+        if S::Near::IS_WIDE {
+            return self.near_lens().distort(point.map(|part| part.near(0))).whole();
+        }
         self.lens().distort(point.map(Whole))
     }
 
     /// From the recorded to the ideal point, from where it is recorded. The Jacobian is that of this *inverse* mapping.
     /// `None` where the model folds over.
+    #[inline(never)]
     pub(crate) fn undistort(&self, recorded: [S; 2]) -> Option<Mapped<Whole<S>>> {
+        let (step_squared, residual) = (S::EPSILON * S::ratio(1, 16), S::EPSILON * S::from_i32(32));
+        if S::Near::IS_WIDE {
+            let nearness = Nearness { step_squared: step_squared.near(0), residual: residual.near(0), farthest: None };
+            let recorded = recorded.map(|part| part.near(0));
+            let ideal = self.near_lens().undistort_from(recorded, recorded, &nearness)?;
+            return Some(ideal.whole());
+        }
+        let nearness = Nearness { step_squared: Whole(step_squared), residual: Whole(residual), farthest: None };
         let recorded = recorded.map(Whole);
-        let nearness = Nearness {
-            step_squared: Whole(S::EPSILON * S::ratio(1, 16)),
-            residual: Whole(S::EPSILON * S::from_i32(32)),
-            farthest: None,
-        };
         self.lens().undistort_from(recorded, recorded, &nearness)
     }
 

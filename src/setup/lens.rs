@@ -1,6 +1,6 @@
 //! [`Lens`]: the mapping of a lens model and its inverse, in numbers of any size or near one.
 
-use crate::scalar::Arithmetic;
+use crate::scalar::{Arithmetic, Near, Scalar, Whole};
 
 /// The image of a point under the lens model or its inverse, with the Jacobian of the mapping there.
 #[derive(Clone, Copy)]
@@ -8,6 +8,13 @@ pub(crate) struct Mapped<N> {
     pub(crate) point: [N; 2],
     /// `[[∂u/∂u, ∂u/∂w], [∂w/∂u, ∂w/∂w]]`
     pub(crate) jacobian: [[N; 2]; 2],
+}
+
+impl<N: Near> Mapped<N> {
+    pub(super) fn whole<S: Scalar<Near = N>>(&self) -> Mapped<Whole<S>> {
+        let whole = |pair: [N; 2]| pair.map(|part| Whole(S::of_near(part, 0)));
+        Mapped { point: whole(self.point), jacobian: self.jacobian.map(whole) }
+    }
 }
 
 impl<N: Arithmetic> Mapped<N> {

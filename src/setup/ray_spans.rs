@@ -70,10 +70,17 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
         if self.camera.is_straight() {
             return Some(RaySpan::of_whole(recorded, half, [per_fx, S::ZERO]));
         }
-        self.nearby(recorded, half, per_fx).or_else(|| self.far_off(recorded, half, per_fx))
+        match self.nearby(recorded, half, per_fx) {
+            // The last one is forgotten: from nowhere.
+            None if S::Near::IS_WIDE => self.nearby(recorded, half, per_fx),
+            None => self.far_off(recorded, half, per_fx),
+            span => span,
+        }
     }
 
     /// From the last one; `None` where that leads nowhere.
+    // Not inlined, as the other way: what each of them needs leaves the stack before the other one comes.
+    #[inline(never)]
     fn nearby(&mut self, recorded: [S; 2], half: [S; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
         let (lens, nearness) = (self.lens.as_ref()?, &self.nearness);
         let [recorded, half] = [recorded, half].map(|pair| pair.map(|part| part.near(0)));
@@ -105,13 +112,17 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
     /// In numbers of any size, from nowhere.
     #[inline(never)]
     fn far_off(&self, recorded: [S; 2], half: [S; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
-        let distortion = self.camera.distortion();
-        let ideal = distortion.undistort(recorded)?;
+        let ideal = self.camera.distortion().undistort(recorded)?;
+        Some(self.far_span(&ideal, recorded, half, per_fx))
+    }
+
+    #[inline(never)]
+    fn far_span(&self, ideal: &Mapped<Whole<S>>, recorded: [S; 2], half: [S; 2], per_fx: S) -> RaySpan<S::Near> {
         let half = ideal.step(half.map(Whole));
-        let middle = distortion.lens().mean_of_ends(&ideal, recorded.map(Whole), half);
+        let middle = self.camera.distortion().lens().mean_of_ends(ideal, recorded.map(Whole), half);
         let [[du, _], [dw, _]] = ideal.jacobian;
         let [middle, half, along_row] = [middle, half, [du, dw]].map(|pair| pair.map(|Whole(part)| part));
-        Some(RaySpan::of_whole(middle, half, along_row.map(|part| part * per_fx)))
+        RaySpan::of_whole(middle, half, along_row.map(|part| part * per_fx))
     }
 }
 
