@@ -137,7 +137,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a
     /// frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and two to three thousand for each edge; docs/budget.md has
+    /// *Cost*: some seven to twelve instructions a pixel and one to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
     /// each of `POINTS`; for each of `LINES` one look of its model; ten scanned points that are refined; three new
     /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in

@@ -49,12 +49,12 @@ impl Comparison {
         beyond
     }
 
-    /// Goes on by all spans of a group; whether there is a difference beyond the limit in any of them.
+    /// Whether there is a difference beyond the limit in any span but the first, with which it begins.
     #[inline(never)] // all of it then fits into the registers
-    fn any_of(&mut self, group: &[u8]) -> bool {
-        let mut comparison = *self;
+    fn is_beyond_in(limit: u32, spans: &[u8]) -> bool {
+        let (before, group) = spans.split_at(SPAN.min(spans.len()));
+        let mut comparison = Self::begin(limit, before);
         let any = group.chunks_exact(SPAN).fold(0, |any, span| any | comparison.span(span));
-        *self = comparison;
         any & Self::HIGHEST != 0
     }
 
@@ -75,17 +75,16 @@ pub(super) fn coarse(
     mut stretch: impl FnMut(usize, usize),
 ) {
     let is_asked = |span| asked.is_none_or(|asked| asked.iter().any(|columns| spans_of(columns).contains(&span)));
-    let mut buffer = [0; SPAN * GROUP];
+    let mut buffer = [0; SPAN * (GROUP + 1)];
     let mut open: Option<(usize, usize)> = None;
     let spans = pixels.columns() / SPAN;
     for gap in unexplained(explained, spans) {
-        let before = grey(pixels, (gap.start - 1) * SPAN..gap.start * SPAN, &mut buffer);
-        let mut comparison = Comparison::begin(limit, before);
         for at in gap.clone().step_by(GROUP) {
-            let group = grey(pixels, at * SPAN..(at + GROUP).min(gap.end) * SPAN, &mut buffer);
-            let before = comparison;
-            if comparison.any_of(group) {
-                comparison = before;
+            // With the span before it.
+            let spans = grey(pixels, (at - 1) * SPAN..(at + GROUP).min(gap.end) * SPAN, &mut buffer);
+            if Comparison::is_beyond_in(limit, spans) {
+                let (before, group) = spans.split_at(SPAN.min(spans.len()));
+                let mut comparison = Comparison::begin(limit, before);
                 for (index, span) in group.chunks_exact(SPAN).enumerate() {
                     if comparison.span(span) & Comparison::HIGHEST != 0 && is_asked(at + index) {
                         add_stretch(&mut open, at + index, &mut stretch);

@@ -63,6 +63,11 @@ pub(super) const fn upper(value: i32, factor: i16) -> i32 {
         return ((value as i64 * factor as i64) >> 16) as i32;
     }
     // Where there is no atomic word there is no longer product either.
+    upper_of_halves(value, factor)
+}
+
+/// Likewise from products of 32 bits, which all cores have.
+const fn upper_of_halves(value: i32, factor: i16) -> i32 {
     (value >> 16) * factor as i32 + (((value & 0xFFFF) * factor as i32) >> 16)
 }
 
@@ -78,14 +83,16 @@ pub(super) fn shifted(value: i32, power: i32) -> i32 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Factor, shifted, upper};
+    use super::{Factor, shifted, upper, upper_of_halves};
 
     #[test]
     fn it_is_the_upper_part_of_a_product() {
         for value in [i32::MIN, i32::MIN + 1, -65_537, -65_536, -1, 0, 1, 65_535, 1_234_567, i32::MAX] {
             for factor in [i16::MIN, -1, 0, 1, 1 << 14, 20_000, i16::MAX] {
                 let product = (i64::from(value) * i64::from(factor)) >> 16;
-                assert_eq!(i64::from(upper(value, factor)), product, "{value} times {factor}");
+                for found in [upper(value, factor), upper_of_halves(value, factor)] {
+                    assert_eq!(i64::from(found), product, "{value} times {factor}");
+                }
             }
         }
     }

@@ -84,6 +84,15 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
+    /// As [`Line::push`], for a point of the same polarity that a [`Ranger`](crate::Ranger) has checked: no sum of times
+    /// saturates.
+    pub(super) fn push_checked(&mut self, point: &EdgePoint) -> Result<(), OutOfOrder> {
+        self.check_order(point)?;
+        let EdgePoint { row, time_ns, column_q16, sigma_q16, width_q8, .. } = *point;
+        self.push_next(row, time_ns, column_q16, sigma_q16, width_q8);
+        Ok(())
+    }
+
     /// Appends the point of the next row, of the same polarity, which a [`Ranger`](crate::Ranger) has checked.
     #[inline(always)]
     pub(super) fn push_next(&mut self, row: u16, time_ns: i64, column_q16: i32, sigma_q16: u32, width_q8: u16) {

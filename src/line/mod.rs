@@ -16,6 +16,7 @@ mod counters;
 mod explained;
 mod candidates;
 mod refinement;
+mod steady;
 mod tracker;
 
 pub(crate) use candidates::Candidates;

@@ -60,13 +60,15 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
-        let gate_q16 =
-            if rows == 1 { u32::from(self.filter.gate_q8) << 8 } else { self.gate_after(rows, self.memory(), limits) };
+        let gate_q16 = match rows {
+            0 => 0,
+            1 => u32::from(self.filter.gate_q8) << 8,
+            _ => self.gate_after(rows, self.memory(), limits),
+        };
         Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
     }
 
     /// Takes its gate anew where that may have changed.
-    #[inline(never)]
     fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
         let points = self.line.points();
         let is_settled = self.model.is_some() && points > GATE_POINTS;
@@ -132,7 +134,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Takes an edge that matches.
     pub(crate) fn take(&mut self, point: EdgePoint, limits: &Limits) -> bool {
         let rows = point.row.abs_diff(self.line.last().row);
-        if self.line.push(point).is_err() {
+        if self.line.push_checked(&point).is_err() {
             return false;
         }
         let memory = self.memory();
@@ -159,24 +161,29 @@ impl<const KNOTS: usize> Track<KNOTS> {
         taken
     }
 
-    /// Takes the edge's point in a row of pixels, if its model finds it there.
+    /// Where the next row shows it, if it goes on.
+    pub(super) fn next_column_q16(&self) -> i32 {
+        self.filter.column_after(1)
+    }
+
+    /// Takes the edge's point in a row that shows it as the rows before did, alone between its neighbours. Else the row
+    /// has to be looked at closely.
     #[inline(never)]
-    pub(crate) fn locate<P: Pixels>(
+    pub(super) fn locate_steady<P: Pixels>(
         &mut self,
-        prediction: &Prediction,
         at: &RowTime,
         row: &PixelRow<'_, P>,
         around: &Neighbours,
         limits: &Limits,
     ) -> bool {
-        let Prediction { column_q16, gate_q16, .. } = *prediction;
         let Some(model) = &mut self.model else { return false };
-        let is_next = at.row.abs_diff(self.line.last.row) == 1 && !self.line.is_beside_texture;
-        if is_next && let Some(found) = model.locate_usual(row, column_q16, gate_q16, around) {
-            self.take_next(&found, column_q16, at, limits);
-            return true;
+        if at.row.abs_diff(self.line.last.row) != 1 || self.line.is_beside_texture {
+            return false;
         }
-        self.locate_closely(prediction, at, row, around, limits)
+        let (column_q16, gate_q16) = (self.filter.column_after(1), u32::from(self.filter.gate_q8) << 8);
+        let Some(found) = model.locate_usual(row, column_q16, gate_q16, around) else { return false };
+        self.take_next(&found, column_q16, at, limits);
+        true
     }
 
     /// Takes what the next row shows as the rows before did.
@@ -188,25 +195,29 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.line.push_next(at.row, at.time_ns, column_q16, sigma_q16.max(off_q16 / 2), width_q8);
         self.unexpected_points = 0;
         let points = self.line.points;
-        let memory = self.memory();
-        self.filter.follow_next(column_q16, predicted_q16, memory);
+        self.filter.follow_next(column_q16, predicted_q16, self.memory());
         if points <= GATE_POINTS || points.is_multiple_of(GATE_POINTS) {
-            self.renew_gate(memory, limits);
+            self.renew_gate_in_time(limits);
         }
     }
 
-    /// Likewise where the row may show anything else than the rows before.
+    #[inline(never)] // seldom
+    fn renew_gate_in_time(&mut self, limits: &Limits) {
+        self.renew_gate(self.memory(), limits);
+    }
+
+    /// Takes the edge's point in a row of pixels, if its model finds it there.
     #[inline(never)]
-    fn locate_closely<P: Pixels>(
+    pub(crate) fn locate<P: Pixels>(
         &mut self,
         prediction: &Prediction,
-        at: &RowTime,
-        row: &PixelRow<'_, P>,
-        around: &Neighbours,
+        at: RowTime,
+        row: PixelRow<'_, P>,
+        around: Neighbours,
         limits: &Limits,
     ) -> bool {
         let Some(model) = &mut self.model else { return false };
-        let Some(found) = model.locate(*row, prediction.column_q16, prediction.gate_q16, 0, *around) else {
+        let Some(found) = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around) else {
             return false;
         };
         if model.is_surely_beside_texture() && !self.line.is_beside_texture {

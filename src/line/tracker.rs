@@ -9,10 +9,11 @@ use super::explained::{Explained, Flanks, flank, is_alone};
 use super::jump::Jump;
 use super::line::Line;
 use super::refinement::Refinement;
+use super::steady::locate_steady;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::{YOUNG_POINTS, models_a_row};
+use super::tuning::{LOOK_ROWS, YOUNG_POINTS, models_a_row};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -99,6 +100,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         candidates: &mut Candidates<LINES>,
         flanks: &mut Flanks<LINES>,
     ) {
+        let steady = locate_steady(&mut self.table, limits, &at, &pixels, flanks);
+        self.count_points(steady as u32);
+        if steady == self.table.under_way().len() {
+            return;
+        }
         self.expect(limits, at.row, candidates);
         let mut located = 0;
         for index in 0..candidates.len() {
@@ -106,10 +112,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let is_sought = *role == Role::Confirmed && !prediction.coasting;
             if is_sought
                 && let Some(track) = self.table.track_mut(*slot)
-                && track.locate(prediction, &at, &pixels, &candidates.around(index), limits)
+                && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
-                // There is room: one for each line.
-                let _ = flanks.push(flank(track.line.last()));
+                let flank = flank(track.line.last());
+                let at = flanks.partition_point(|other| other.start <= flank.start);
+                // There is room: one for each line. It is not beyond them, but only so is that seen where code is small.
+                let _ = flanks.insert(at.min(flanks.len()), flank);
                 candidates.see(index);
                 located += 1;
             }
@@ -143,12 +151,19 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
     /// a model of their edge.
     pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
+        let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
         for index in 0..self.table.under_way().len() {
             let Some(place) = self.table.under_way().get(index).copied() else { return };
             let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-            if let Some(track) = self.table.track_mut(place).filter(is_seen).filter(|track| !track.is_unseen()) {
-                track.look_around(pixels);
+            if let Some(track) = self.table.track_mut(place).filter(is_seen) {
+                has_to_learn |= track.model.is_none();
+                if is_due && !track.is_unseen() {
+                    track.look_around(pixels);
+                }
             }
+        }
+        if !has_to_learn {
+            return;
         }
         let mut last = (0, 0, 0);
         for _ in 0..models_a_row(LINES) {
@@ -254,13 +269,14 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
     }
 
-    /// Adds the lines under way that have no point on this row yet. Where there is no room to stitch, hidden lines take
-    /// part in the association themselves.
+    /// Adds the lines under way, also those that the row has shown: they are neighbours of the others. Where there is no
+    /// room to stitch, hidden lines take part in the association themselves.
     pub(super) fn expect(&mut self, limits: &Limits, row: u16, candidates: &mut Candidates<LINES>) {
         let (has_room, mut has_moved) = (self.table.has_room_to_stitch(), false);
         for place in self.table.under_way() {
-            if let Some(track) = self.table.track(*place).filter(|track| track.line.last().row != row) {
+            if let Some(track) = self.table.track(*place) {
                 let role = match track.state {
+                    _ if track.line.last().row == row => Role::Seen,
                     State::Tentative => Role::Tentative,
                     State::Hidden if has_room => Role::Waiting,
                     _ => Role::Confirmed,
