@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::edge::{EdgeModel, EdgePoint, MOST_DRAWN_Q16, Neighbours, PixelRow, Scanner};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
 use crate::line::{Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
@@ -374,10 +374,11 @@ fn refined<P: Pixels>(points: &[EdgePoint], point: &EdgePoint, from: Option<(Pix
     if let Some(refined) = from.and_then(|(row, noise_q8)| EdgeModel::refine_alone(row, point, around, noise_q8)) {
         return refined;
     }
-    if !around.is_nearer_than(Scanner::SEES_ALONE_Q16, point.column_q16) {
-        return *point;
+    if around.is_nearer_than(Scanner::SEES_ALONE_Q16, point.column_q16) {
+        EdgePoint { width_q8: 0, ..*point }
+    } else {
+        *point
     }
-    EdgePoint { width_q8: 0, sigma_q16: point.sigma_q16.max(MOST_DRAWN_Q16 / 3), ..*point }
 }
 
 /// A row of the image that is read after the last one.

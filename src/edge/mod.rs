@@ -30,5 +30,5 @@ pub(crate) use refine::LocatedPoint;
 pub use scan::Scanner;
 pub use scanned_point::ScannedPoint;
 pub(crate) use spread_function::SpreadFunction;
-pub(crate) use tuning::{MOST_DRAWN_Q16, PLATEAU};
+pub(crate) use tuning::PLATEAU;
 pub(crate) use window::Neighbours;

@@ -89,7 +89,7 @@ pub(super) const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 
 /// How far a neighbour may bias the scanner's column of an edge, in 1/65536 px
 /// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
-pub(crate) const MOST_DRAWN_Q16: u32 = 5 << 14;
+pub(super) const MOST_DRAWN_Q16: u32 = 5 << 14;
 
 /// An edge that a row shows on its own must be so far from a neighbour, in 1/65536 px: nearer ones hide each other's
 /// levels (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
