@@ -115,6 +115,8 @@ const ESTIMATE: f64 = 0.01;
 const SIGMA: f64 = 1e-3;
 /// The same where tilt is known: rounding, and the differences that stand for derivatives.
 const WITHOUT_TILT: f64 = 1e-5;
+/// Likewise of what a twin adds, which is another difference of sigmas.
+const TWIN: f64 = 0.05;
 
 proptest! {
     #![proptest_config(seeded(400))]
@@ -144,6 +146,16 @@ proptest! {
         prop_assert!((found.bearing - bearing).abs() < of_estimate * dense.sigma(0));
         prop_assert!((found.inverse_depth_per_m - inverse_depth).abs() < of_estimate * dense.sigma(1));
         prop_assert!((found.tilt - tilt).abs() <= of_estimate * dense.sigma(2));
+        if found.sigma_inverse_depth_per_m > (1.0 + of_sigma) * dense.sigma(1) {
+            // A twin: an error along the change of bearing and tilt with the inverse depth, in forward motion alone.
+            prop_assert!(sigma_tilt > 0.0 && scene.velocity_m_s[2].abs() > 0.1 * scene.velocity_m_s[0].abs());
+            let along = |unknown: usize| dense.covariance[1][unknown] / dense.covariance[1][1];
+            let added = |sigma: f64, unknown: usize| sigma.powi(2) - dense.covariance[unknown][unknown];
+            let of_depth = added(found.sigma_inverse_depth_per_m, 1);
+            prop_assert!((added(found.sigma_bearing, 0) / (of_depth * along(0).powi(2)) - 1.0).abs() < TWIN);
+            prop_assert!((added(found.sigma_tilt, 2) / (of_depth * along(2).powi(2)) - 1.0).abs() < TWIN);
+            return Ok(());
+        }
         prop_assert!((found.sigma_bearing / dense.sigma(0) - 1.0).abs() < of_sigma);
         prop_assert!((found.sigma_inverse_depth_per_m / dense.sigma(1) - 1.0).abs() < of_sigma);
         prop_assert!((found.sigma_tilt - dense.sigma(2)).abs() <= of_sigma * dense.sigma(2));

@@ -10,14 +10,14 @@ use crate::accuracy::anywhere;
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, tilt_of};
 
+const SEEDS: [u64; 2] = [7, 8];
 const LINES: usize = 20_000;
 const SIGMA_PX: f64 = 0.05;
 const LENS_PX: f64 = 0.7;
 /// Chance leaves one of 147 000 beyond.
 const MOST_SIGMAS: f64 = 4.5;
-/// In forward motion a line that leans and a nearer one that does not may look alike to the second order.
-const MOST_WRONG: usize = 6;
-
+/// In forward motion the cost of an edge that is nearly too far rises on its far side half as much as its sigma says.
+const MOST_WRONG: usize = 4;
 /// An edge whose lean, columns and width err by what is stated of them.
 struct Case {
     scene: Scene,
@@ -62,21 +62,24 @@ impl Case {
 
 #[test]
 fn the_right_one_of_several_minima() {
-    let mut random = StdRng::seed_from_u64(7);
-    let cases = std::iter::repeat_with(|| Case::new(&mut random)).filter(Case::is_whole).take(LINES);
-    let (mut told, mut wrong) = (0, Vec::new());
-    for case in cases {
-        let range = case.range();
-        if matches!(range.status, RangeStatus::Ok | RangeStatus::Far) {
-            told += 1;
-            let estimate = &range.estimate;
-            let off = estimate.inverse_depth_per_m - 1.0 / case.scene.depth_m;
-            let sigmas = off / estimate.sigma_inverse_depth_per_m;
-            if sigmas.abs() > MOST_SIGMAS {
-                wrong.push((sigmas, case.exposure_s, *estimate, case.scene));
+    let mut told = 0;
+    let mut wrong = Vec::new();
+    for seed in SEEDS {
+        let mut random = StdRng::seed_from_u64(seed);
+        for case in std::iter::repeat_with(|| Case::new(&mut random)).filter(Case::is_whole).take(LINES) {
+            let range = case.range();
+            if matches!(range.status, RangeStatus::Ok | RangeStatus::Far) {
+                told += 1;
+                let estimate = &range.estimate;
+                let off = estimate.inverse_depth_per_m - 1.0 / case.scene.depth_m;
+                let sigmas = off / estimate.sigma_inverse_depth_per_m;
+                if sigmas.abs() > MOST_SIGMAS {
+                    wrong.push((sigmas, case.exposure_s, *estimate, case.scene));
+                }
             }
         }
     }
-    println!("{told} of {LINES} lines told, {} beyond {MOST_SIGMAS} sigma: {wrong:#.2?}", wrong.len());
-    assert!(told > LINES / 2 && wrong.len() <= MOST_WRONG, "{} of {told}", wrong.len());
+    let lines = LINES * SEEDS.len();
+    println!("{told} of {lines} lines told, {} beyond {MOST_SIGMAS} sigma: {wrong:#.2?}", wrong.len());
+    assert!(told > lines * 4 / 5 && wrong.len() <= MOST_WRONG, "{} of {told}", wrong.len());
 }

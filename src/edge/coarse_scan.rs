@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use super::noise::WINDOW;
-use super::pixel_row::grey;
+use super::pixel_row::{grey, pairs};
 use crate::format::Pixels;
 
 /// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is
@@ -11,20 +11,6 @@ use crate::format::Pixels;
 const SPAN: usize = 2 * WINDOW;
 /// Spans that are looked at together.
 const GROUP: usize = 32;
-
-/// Sums of the four pixels of a word two by two, one in each half.
-fn pairs(word: &[u8]) -> u32 {
-    const EVEN: u32 = 0x00ff_00ff;
-    let Some(word) = word.first_chunk::<WINDOW>() else { return 0 };
-    if cfg!(target_has_atomic = "32") {
-        let word = u32::from_le_bytes(*word);
-        (word & EVEN) + ((word >> 8) & EVEN)
-    } else {
-        // Where there is no atomic word, none is loaded from any address either.
-        let [a, b, c, d] = word.each_ref().map(|pixel| u32::from(*pixel));
-        (a + b) + ((c + d) << 16)
-    }
-}
 
 /// Compares sums of four pixels with those of the four before them at every second boundary, word by word: two of them
 /// in the halves of a number.

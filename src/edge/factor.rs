@@ -22,10 +22,31 @@ impl Factor {
         Self { mantissa: mantissa as i16, shift: power + 15 - bits }
     }
 
+    /// The product of two.
+    pub(super) const fn and(self, other: Self) -> Self {
+        Self::of(self.mantissa as u32 * other.mantissa as u32, self.shift + other.shift)
+    }
+
+    /// The product of two, with thirteen significant bits at least.
+    #[inline(always)]
+    pub(super) const fn roughly_and(self, other: Self) -> Self {
+        Self {
+            mantissa: ((self.mantissa as i32 * other.mantissa as i32) >> 15) as i16,
+            shift: self.shift + other.shift - 15,
+        }
+    }
+
     /// A product, times 2 to the power of [`Factor::lost`], rounded down.
     #[inline(always)]
     pub(super) const fn times(self, value: i32) -> i32 {
         upper(value, self.mantissa)
+    }
+
+    /// A whole product, rounded down, with a value as far as that has 28 bits; the factor is over 2 to the power of 12
+    /// to 43.
+    #[inline(always)]
+    pub(super) fn product(self, value: i32) -> i32 {
+        upper(value.clamp(-(1 << 27), (1 << 27) - 1) << 4, self.mantissa) >> ((self.shift - 12) & 31)
     }
 
     /// What [`Factor::times`] leaves out of the shift.
@@ -34,9 +55,14 @@ impl Factor {
     }
 }
 
-/// Upper part of a product, without its lower sixteen bits: of products of 32 bits, which all cores have.
+/// Upper part of a product, without its lower sixteen bits.
 #[inline(always)]
 pub(super) const fn upper(value: i32, factor: i16) -> i32 {
+    if cfg!(target_has_atomic = "32") {
+        // One instruction on cores for signals.
+        return ((value as i64 * factor as i64) >> 16) as i32;
+    }
+    // Where there is no atomic word there is no longer product either.
     (value >> 16) * factor as i32 + (((value & 0xFFFF) * factor as i32) >> 16)
 }
 

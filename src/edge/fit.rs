@@ -4,7 +4,7 @@ use super::factor::{Factor, shifted};
 use super::level_moments::FreeLevels;
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
-use super::norms::Norms;
+use super::norms::{Norms, sigma_q16};
 use super::pixel_row::PixelRow;
 use super::template::Template;
 use super::whole_window::WholeWindow;
@@ -43,7 +43,7 @@ impl EdgeModel {
         let (column_q8, template) = (expected_q16 >> 8, self.template());
         match WholeWindow::new(&row, column_q8, template, bounds_q8).filter(|_| !self.is_textured()) {
             Some(window) => {
-                let own_q8 = window.levels_q8(template);
+                let own_q8 = window.sums().levels_q8(template);
                 let (off_q8, contrast) = self.against_means(row.kind(), own_q8)?;
                 let moments = window.moments(own_q8);
                 let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
@@ -120,7 +120,7 @@ impl EdgeModel {
 
     /// What to add to a mean level for this row, in 1/256 grey level: nothing, or what the row itself shows where that
     /// is another level, as at the end of an object, where its brightness fades and the mean would shift the edge.
-    fn departure(&self, off_q8: i32) -> i32 {
+    pub(super) fn departure(&self, off_q8: i32) -> i32 {
         // Three sigma of a mean over four pixels.
         let most_q8 = u32::from(self.noise_q8) * 3 / 2;
         if off_q8.unsigned_abs() > most_q8 { off_q8 } else { 0 }
@@ -142,15 +142,14 @@ impl Step<'_> {
         let (slope, widening) = (moments.residual_slope, moments.residual_widening);
         let (slope, widening) = if contrast.is_falling { (-slope, -widening) } else { (slope, widening) };
         let per_contrast = contrast.reciprocal;
-        let shift = per_contrast.times(norms.per_slope.times(slope));
-        let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         // Where free levels explain a part of the slope, the rest is less sure.
         let of_noise_q8 = free_slope_slope.map_or(norms.sigma_q8, |slope_slope| norms.sigma_of_part_q8(slope_slope));
-        let sigma_q14 = (u32::from(of_noise_q8) * u32::from(model.noise_q8)) >> 2;
+        let shift = per_contrast.times(norms.per_slope.times(slope));
+        let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
-            sigma_q16: shifted(per_contrast.times(sigma_q14 as i32), -16 - per_contrast.lost()).unsigned_abs(),
-            width_q12: template.width_q12(widening, norms, per_contrast),
+            sigma_q16: sigma_q16(of_noise_q8, model.noise_q8, per_contrast),
+            width_q12: template.width_q12(widening, template.per_width(norms), per_contrast),
             residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),
             off_q8: *off_q8,
         })

@@ -7,8 +7,8 @@ use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
-    BLUR_ROWS_LOG2, CLASS_ROWS_LOG2, FEW_TEXTURED_ROWS, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2,
-    LEVEL_ROWS_LOG2, MANY_TEXTURED_ROWS, MOST_BLUR_Q8, NOISE_ROWS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    FEW_TEXTURED_ROWS, LEARN_ROWS_LOG2, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, MANY_TEXTURED_ROWS,
+    MEMORY_ROWS_LOG2, MOST_BLUR_Q8, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -38,6 +38,9 @@ pub(crate) struct EdgeModel {
     textured_rows: u16,
     /// That of the blur.
     class: u8,
+    /// Nothing around the edge asks for a closer look than [`EdgeModel::locate_usual`] takes: as it was when the means
+    /// were taken last.
+    pub(super) is_usual: bool,
 }
 
 /// Rounding to whole grey levels alone.
@@ -81,6 +84,7 @@ impl EdgeModel {
             rows: NonZeroU16::MIN,
             textured_rows: 0,
             class: class_of(blur_q12, 0),
+            is_usual: false,
         };
         model.look_beside(row, edge.column_q16, bounds_q8)?;
         model.shows(row.kind(), edge.polarity).then_some(model)
@@ -188,52 +192,60 @@ impl EdgeModel {
         u32::from(level_scatter_q8) * 4 > u32::from(self.white_q8) * 5
     }
 
-    /// Running means: a small part of each new row, more at first.
-    pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
+    /// Whether the means are taken from the next row: from each at first, then from some.
+    pub(super) const fn learns_next(&self) -> bool {
+        let rows = self.rows.get();
+        rows % (1 << LEARN_ROWS_LOG2) == (1 << LEARN_ROWS_LOG2) - 1 || rows < 1 << MEMORY_ROWS_LOG2
+    }
+
+    /// Counts a row that shows the edge.
+    pub(super) const fn count_row(&mut self) {
         self.rows = self.rows.saturating_add(1);
-        if self.rows.get() < 1 << LEVEL_ROWS_LOG2 {
-            self.learn_at_first(kind, fit);
-        } else {
-            self.learn_as_row(kind, fit, LEVEL_ROWS_LOG2);
-        }
     }
 
+    /// Running means: a small part of some of the rows, more of each of the first ones.
     #[inline(never)]
-    fn learn_at_first(&mut self, kind: usize, fit: &Fit) {
-        self.learn_as_row(kind, fit, self.rows.ilog2());
-    }
-
-    /// From the row of this number, as a power of two.
-    // Inlined, so that shifts are by constants in most rows.
-    #[inline(always)]
-    fn learn_as_row(&mut self, kind: usize, fit: &Fit, rows_log2: u32) {
-        let (scatter_log2, levels_log2) = (rows_log2.min(BLUR_ROWS_LOG2), rows_log2.min(LEVEL_ROWS_LOG2));
-        // A few rows of something else are no texture.
-        let most_q8 = 4 * i32::from(self.white_q8);
-        for (level_scatter_q8, off_q8) in self.level_scatter_q8.iter_mut().zip(fit.off_q8) {
-            *level_scatter_q8 = toward(*level_scatter_q8, off_q8.abs().min(most_q8), scatter_log2);
+    pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
+        let rows = self.rows.get().saturating_add(1);
+        let is_settled = rows >= 1 << MEMORY_ROWS_LOG2;
+        if is_settled {
+            self.learn_part(kind, fit, MEMORY_ROWS_LOG2 - LEARN_ROWS_LOG2);
+        } else {
+            self.learn_part(kind, fit, u32::from(rows).max(1).ilog2());
         }
-        if let Some(means_q16) = self.levels_q16.get_mut(kind) {
-            for (mean_q16, off_q8) in means_q16.iter_mut().zip(fit.off_q8) {
-                *mean_q16 = (*mean_q16 as i32 + part(off_q8 << 8, levels_log2)).clamp(0, 255 << 16) as u32;
-            }
-        }
-        self.textured_rows = self.textured_rows.saturating_add(u16::from(self.is_textured()));
-        self.blur_toward(fit.width_q12, rows_log2.min(BLUR_ROWS_LOG2));
-        let noise_q16 = self.noise_q16 as i32;
-        let most_q16 = 4 * self.noise_q16 + (1 << 16);
-        let residual_q16 = fit.residual_q16.min(most_q16) as i32;
-        let change_q16 = part(residual_q16 - noise_q16, rows_log2.clamp(LEAST_NOISE_ROWS_LOG2, NOISE_ROWS_LOG2));
-        self.noise_q16 = ((noise_q16 + change_q16) as u32).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
-        let is_due = |rows: u32| rows_log2 < RENEWAL_ROWS_LOG2 || self.rows.get().is_multiple_of(1 << rows);
+        let is_textured = self.is_textured();
+        let new_rows = if is_settled { 1 << LEARN_ROWS_LOG2 } else { 1 };
+        self.textured_rows = self.textured_rows.saturating_add(if is_textured { new_rows } else { 0 });
         let before = self.class;
-        if is_due(CLASS_ROWS_LOG2) {
-            self.class = class_of(self.blur_q12, before);
-        }
-        if is_due(RENEWAL_ROWS_LOG2) || self.class != before {
+        self.class = class_of(self.blur_q12, before);
+        if self.class != before || rows.is_multiple_of(1 << RENEWAL_ROWS_LOG2) || rows < 1 << RENEWAL_ROWS_LOG2 {
             self.renew_contrast();
             self.noise_q8 = self.noise_q16.isqrt() as u16;
         }
+        let is_other = is_textured || self.is_surely_beside_texture() || self.is_clipped(0);
+        self.is_usual = kind == 0 && !is_other;
+    }
+
+    /// One part in 2 to this power.
+    // Inlined, so that shifts are by constants for most rows.
+    #[inline(always)]
+    fn learn_part(&mut self, kind: usize, fit: &Fit, parts_log2: u32) {
+        // A few rows of something else are no texture.
+        let most_q8 = 4 * i32::from(self.white_q8);
+        for (level_scatter_q8, off_q8) in self.level_scatter_q8.iter_mut().zip(fit.off_q8) {
+            *level_scatter_q8 = toward(*level_scatter_q8, off_q8.abs().min(most_q8), parts_log2);
+        }
+        if let Some(means_q16) = self.levels_q16.get_mut(kind) {
+            for (mean_q16, off_q8) in means_q16.iter_mut().zip(fit.off_q8) {
+                *mean_q16 = (*mean_q16 as i32 + part(off_q8 << 8, parts_log2)).clamp(0, 255 << 16) as u32;
+            }
+        }
+        self.blur_toward(fit.width_q12, parts_log2);
+        let noise_q16 = self.noise_q16 as i32;
+        let most_q16 = 4 * self.noise_q16 + (1 << 16);
+        let residual_q16 = fit.residual_q16.min(most_q16) as i32;
+        let change_q16 = part(residual_q16 - noise_q16, parts_log2.max(LEAST_NOISE_ROWS_LOG2));
+        self.noise_q16 = ((noise_q16 + change_q16) as u32).clamp(LEAST_NOISE_Q16, MOST_NOISE_Q16);
     }
 }
 

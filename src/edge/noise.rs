@@ -21,12 +21,14 @@ pub(super) struct Across {
     second_q8: u32,
     /// Median size of the sliding difference.
     difference_q8: u32,
-    rows: u32,
+    /// Which stretch of the next row comes first, and rows so far.
+    first: u16,
+    rows: u16,
 }
 
 impl Across {
     pub(super) const fn new() -> Self {
-        Self { second_q8: 0, difference_q8: 0, rows: 0 }
+        Self { second_q8: 0, difference_q8: 0, first: 0, rows: 0 }
     }
 
     /// One sigma of a pixel's noise, in 1/256 grey level.
@@ -43,20 +45,56 @@ impl Across {
     /// The first row sets the scale; later ones are sampled and move it little by little.
     pub(super) fn learn(&mut self, pixels: &impl Pixels) {
         // Some four stretches a row are plenty, others in each row.
-        let every = if self.rows == 0 { 1 } else { (pixels.columns() / (STRETCH * 4)).max(2) };
-        let first = (self.rows as usize).checked_rem(every).unwrap_or(0);
-        let is_mosaic = pixels.mosaic_row().is_some();
-        let starts = (first * STRETCH..).step_by((every * STRETCH).max(STRETCH));
-        let middles = || starts.clone().take_while(|at| at + STRETCH <= pixels.columns()).map(|at| middle(pixels, at));
+        let usual = (pixels.columns() / (STRETCH * 4)).max(2);
+        let every = if self.rows == 0 { 1 } else { usual };
         if self.rows == 0 {
-            self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
-            self.difference_q8 = usual_size(|| middles().map(sliding_difference));
+            self.begin(pixels);
         }
-        for pixels in middles() {
-            approach(&mut self.second_q8, second_difference(pixels, is_mosaic));
-            approach(&mut self.difference_q8, sliding_difference(pixels));
+        let first = usize::from(self.first);
+        match pixels.grey() {
+            Some(grey) => self.learn_grey(grey, first, every),
+            None => {
+                let is_mosaic = pixels.mosaic_row().is_some();
+                for from in
+                    (first * STRETCH..).step_by(every * STRETCH).take_while(|at| at + STRETCH <= pixels.columns())
+                {
+                    self.take(middle(pixels, from), is_mosaic);
+                }
+            }
         }
-        self.rows = self.rows.wrapping_add(1);
+        // A row has fewer stretches than that.
+        self.first = if first + 1 < usual { (first + 1) as u16 } else { 0 };
+        self.rows = self.rows.saturating_add(1);
+    }
+
+    /// Likewise of grey bytes.
+    #[inline(never)] // all of it then fits into the registers
+    fn learn_grey(&mut self, grey: &[u8], first: usize, every: usize) {
+        let mut across = *self;
+        let rest = grey.get(first * STRETCH + STRETCH / 2 - WINDOW..).unwrap_or_default();
+        for stretch in rest.chunks((every * STRETCH).max(1)) {
+            if let Some(around) = stretch.first_chunk().filter(|_| stretch.len() >= STRETCH / 2 + WINDOW) {
+                across.take(*around, false);
+            }
+        }
+        *self = across;
+    }
+
+    /// Moves by what the pixels around one place show.
+    #[inline(always)]
+    fn take(&mut self, around: [u8; 2 * WINDOW], is_mosaic: bool) {
+        approach(&mut self.second_q8, second_difference(around, is_mosaic));
+        approach(&mut self.difference_q8, sliding_difference(around));
+    }
+
+    /// Sets the scale.
+    #[inline(never)]
+    fn begin(&mut self, pixels: &impl Pixels) {
+        let starts = (0..pixels.columns() / STRETCH).map(|stretch| stretch * STRETCH);
+        let middles = || starts.clone().map(|from| middle(pixels, from));
+        let is_mosaic = pixels.mosaic_row().is_some();
+        self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
+        self.difference_q8 = usual_size(|| middles().map(sliding_difference));
     }
 }
 

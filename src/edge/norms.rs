@@ -1,6 +1,6 @@
 //! [`Norms`]: what turns inner products over a flank into estimates.
 
-use super::factor::Factor;
+use super::factor::{Factor, shifted};
 use super::weight::Weight;
 
 /// Sums of squares over the pixels of a flank.
@@ -101,6 +101,14 @@ const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
     let half_q8 = if half_q8 < 511 { half_q8 } else { 511 };
     let variance_q15 = of_flank_q15 + ((half_q8 * half_q8 * of_levels_q12) >> 13);
     (variance_q15 << 1).isqrt() as u16
+}
+
+/// One sigma of a column, from that of the shift for a unit of noise, the noise in 1/256 grey level, and b over the
+/// contrast.
+#[inline(always)]
+pub(super) fn sigma_q16(of_noise_q8: u16, noise_q8: u16, per_contrast: Factor) -> u32 {
+    let sigma_q14 = (u32::from(of_noise_q8) * u32::from(noise_q8)) >> 2;
+    shifted(per_contrast.times(sigma_q14 as i32), -16 - per_contrast.lost()).unsigned_abs()
 }
 
 /// One over a sum of squares; of one that is hardly there, over the least that shows an edge, so that at least nine

@@ -9,7 +9,8 @@ use super::pixel_row::PixelRow;
 use super::point::EdgePoint;
 use super::scan::Scanner;
 use super::tuning::{
-    LEAST_APART_Q16, LONG_BLUR_Q8, MOST_CORRECTIONS, MOST_DRAWN_Q16, MOST_RESIDUAL, MOST_SETTLING_STEPS, SURE_SIGMA_Q16,
+    LEAST_APART_Q16, LONG_BLUR_Q8, MOST_CORRECTIONS, MOST_DRAWN_Q16, MOST_RESIDUAL, MOST_SETTLING_STEPS,
+    ONE_STEP_PARTS_LOG2, SURE_SIGMA_Q16,
 };
 use super::window::Neighbours;
 use crate::format::Pixels;
@@ -73,6 +74,7 @@ impl EdgeModel {
     /// The edge near the expected column, from which the model learns; `None` where the row shows something else, or
     /// where the edge is farther off than the gate, or than its noise and the bias that the expected column itself may
     /// have.
+    #[inline(never)]
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         row: PixelRow<'_, P>,
@@ -92,7 +94,10 @@ impl EdgeModel {
             return None;
         }
         let width_q8 = self.row_width_q8(row.kind(), &fit);
-        self.learn(row.kind(), &fit);
+        if self.learns_next() {
+            self.learn(row.kind(), &fit);
+        }
+        self.count_row();
         Some(LocatedPoint { column_q16: fit.column_q16, sigma_q16: fit.sigma_q16.max(1), width_q8 })
     }
 
@@ -103,7 +108,7 @@ impl EdgeModel {
     }
 
     /// What remains at most of a row that shows the edge, and the square of two levels for what no step has.
-    fn most_residual_q16(&self) -> u32 {
+    pub(super) fn most_residual_q16(&self) -> u32 {
         self.noise_q16 * MOST_RESIDUAL + (1 << 18)
     }
 
@@ -115,7 +120,8 @@ impl EdgeModel {
         loop {
             let fit = self.fit(row, from_q16, bounds_q8)?;
             let shift_q16 = fit.column_q16.saturating_sub(from_q16);
-            if shift_q16.unsigned_abs() <= blur_q16.unsigned_abs() / 8 || corrections == MOST_CORRECTIONS {
+            let is_there = shift_q16.unsigned_abs() <= blur_q16.unsigned_abs() >> ONE_STEP_PARTS_LOG2;
+            if is_there || corrections == MOST_CORRECTIONS {
                 return Some(fit);
             }
             from_q16 += shift_q16.clamp(-blur_q16, blur_q16);

@@ -6,6 +6,7 @@
 
 use super::factor::{Factor, shifted};
 use super::norms::{Norms, Squares};
+use super::products::Expected;
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
 use super::weight::Weight;
@@ -21,11 +22,16 @@ pub(super) struct Template {
     pub(super) reach_q8: u16,
     /// The width's change that one unit of [`Weight::widening`] stands for, in b, over 2¹².
     per_widening: Factor,
+    /// The blurs that are not nearer to the next class, in 1/4096 px.
+    blurs_q12: [u16; 2],
     /// One over the number of pixels of a plateau.
     per_plateau_q20: u32,
     far_q8: u16,
-    /// Phases of the pixel: 2 to this power.
+    /// Half a pixel to either side of the middle one, and half a phase to either side of each.
+    rounding_q8: u16,
+    /// Phases of the pixel, and 1/256 px from one to the next: 2 to these powers.
     phases_log2: u8,
+    step_log2: u8,
     /// Pixels of each phase.
     pixels: u8,
     /// Where its weights begin, and the norms of its phases.
@@ -44,6 +50,11 @@ pub(super) struct Sampled {
 pub(super) struct Phase {
     pub(super) weights: &'static [Weight],
     pub(super) norms: Norms,
+    pub(super) expected: Expected,
+    /// [`Template::per_width`].
+    pub(super) per_width: Factor,
+    /// How far it is from the middle of the pixel, in 1/256 px.
+    off_q8: i16,
 }
 
 impl Template {
@@ -54,17 +65,12 @@ impl Template {
     }
 
     /// Its phase that is nearest to a column in 1/256 px.
+    #[inline(always)]
     pub(super) fn at(&self, column_q8: i32) -> Sampled {
-        let fine = 8 - u32::from(self.phases_log2);
-        let phase = (column_q8 + (1 << fine >> 1)) >> fine;
-        // Half a pixel to either side of the middle one.
-        let shifted = phase + (1 << self.phases_log2 >> 1);
-        let (pixel, part) = (shifted >> self.phases_log2, shifted & ((1 << self.phases_log2) - 1));
-        Sampled {
-            first: pixel - i32::from(self.pixels / 2),
-            centre_q8: phase << fine,
-            phase: PHASES.get(usize::from(self.first_phase) + part as usize).unwrap_or(&NO_PHASE),
-        }
+        let shifted_q8 = column_q8 + i32::from(self.rounding_q8);
+        let (pixel, part) = (shifted_q8 >> 8, (shifted_q8 & 0xFF) as usize >> (self.step_log2 & 31));
+        let phase = PHASES.get(usize::from(self.first_phase) + part).unwrap_or(&NO_PHASE);
+        Sampled { first: pixel - i32::from(self.pixels / 2), centre_q8: (pixel << 8) + i32::from(phase.off_q8), phase }
     }
 
     /// b over a contrast in 1/256 grey level: in 1/2¹⁸ px and grey level. `None` where there is none.
@@ -76,10 +82,15 @@ impl Template {
     /// The width of an edge: the template's, and what the product of a row's residuals with its change, in 1/64 grey
     /// level, says of it.
     #[inline(always)]
-    pub(super) fn width_q12(&self, residual_widening: i32, norms: &Norms, per_contrast: Factor) -> i32 {
-        let change = per_contrast.times(self.per_widening.times(norms.per_widening.times(residual_widening)));
-        let lost = norms.per_widening.lost() + self.per_widening.lost() + per_contrast.lost();
+    pub(super) fn width_q12(&self, residual_widening: i32, per_width: Factor, per_contrast: Factor) -> i32 {
+        let change = per_contrast.times(per_width.times(residual_widening));
+        let lost = per_width.lost() + per_contrast.lost();
         (i32::from(self.width_q8) << 4) + shifted(change, -lost).clamp(-(1 << 20), (1 << 20) - 1)
+    }
+
+    /// The width's change for one unit of the product of residuals with it, in b, over 2¹².
+    pub(super) const fn per_width(&self, norms: &Norms) -> Factor {
+        self.per_widening.and(norms.per_widening)
     }
 
     /// Pixels of a plateau on either side: beyond the reach of the blur.
@@ -87,8 +98,12 @@ impl Template {
         self.pixels as i32 / 2 + PLATEAU
     }
 
-    /// An edge so far from any other and from the border stands alone: its window is whole, and no other blur reaches
-    /// into it.
+    /// Pixels of a window: of the flank and of both plateaus.
+    pub(super) const fn window(&self) -> usize {
+        self.pixels as usize + 2 * self.plateau() as usize
+    }
+
+    /// An edge so far from any other stands alone: its window is whole, and no other blur reaches into it.
     pub(super) const fn far_q8(&self) -> i32 {
         self.far_q8 as i32
     }
@@ -102,13 +117,12 @@ impl Template {
 /// The class of a blur in 1/4096 px, on from the present one: it changes where the blur is nearer to another one's, so
 /// that a blur between two does not change it from row to row.
 pub(super) fn class_of(blur_q12: u16, present: u8) -> u8 {
-    let width_q12 = |class: u8| u32::from(Template::of(class).width_q8) << 4;
-    let blur_q12 = u32::from(blur_q12);
+    let blurs_q12 = |class: u8| Template::of(class).blurs_q12;
     let mut class = present.min(CLASSES as u8 - 1);
-    while usize::from(class) + 1 < CLASSES && blur_q12 * 2 > width_q12(class) + width_q12(class + 1) {
+    while blur_q12 > blurs_q12(class)[1] {
         class += 1;
     }
-    while class > 0 && blur_q12 * 2 < width_q12(class) + width_q12(class - 1) {
+    while blur_q12 < blurs_q12(class)[0] {
         class -= 1;
     }
     class
@@ -144,6 +158,12 @@ const TEMPLATES: [Template; CLASSES] = {
     while class < CLASSES {
         let width = if width_q8 < MOST_BLUR_Q8 { width_q8 } else { MOST_BLUR_Q8 };
         templates[class] = Template::new(width, first, first_phase);
+        if class > 0 {
+            // In the middle between two widths in 1/256 px.
+            let between_q12 = (templates[class - 1].width_q8 + width) << 3;
+            templates[class - 1].blurs_q12[1] = between_q12;
+            templates[class].blurs_q12[0] = between_q12;
+        }
         first += templates[class].weights();
         first_phase += 1 << templates[class].phases_log2;
         width_q8 = wider(width_q8);
@@ -158,7 +178,8 @@ static WEIGHTS: [Weight; WEIGHT_COUNT] = ALL_WEIGHTS;
 
 const WEIGHT_COUNT: usize = (WIDEST.first + WIDEST.weights()) as usize;
 
-const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE };
+const NO_PHASE: Phase =
+    Phase { weights: &[], norms: Norms::NONE, expected: Expected::NONE, per_width: Factor::ONE, off_q8: 0 };
 
 static PHASES: [Phase; PHASE_COUNT] = {
     let mut phases = [const { NO_PHASE }; PHASE_COUNT];
@@ -174,7 +195,9 @@ static PHASES: [Phase; PHASE_COUNT] = {
                 pixel += 1;
             }
             let norms = sums.norms([template.plateau() as u32; 2]);
-            phases[template.first_phase as usize + phase] = Phase { weights, norms };
+            let expected = Expected::of(weights);
+            let (per_width, off_q8) = (template.per_width(&norms), template.phase_off_q8(phase) as i16);
+            phases[template.first_phase as usize + phase] = Phase { weights, norms, expected, per_width, off_q8 };
             rest = others;
             phase += 1;
         }
@@ -220,9 +243,12 @@ impl Template {
         box_q8: 0,
         reach_q8: 0,
         per_widening: Factor::ONE,
+        blurs_q12: [0, u16::MAX],
         per_plateau_q20: 0,
         far_q8: 0,
+        rounding_q8: 0,
         phases_log2: 0,
+        step_log2: 8,
         pixels: 0,
         first: 0,
         first_phase: 0,
@@ -230,15 +256,18 @@ impl Template {
 
     const fn new(width_q8: u16, first: u16, first_phase: u8) -> Self {
         let function = SpreadFunction::new(width_q8);
-        let reach_q8 = function.reach_q8() as u16;
+        let (reach_q8, phases_log2) = (function.reach_q8() as u16, phases_log2(width_q8));
         let mut template = Self {
             width_q8,
             box_q8: function.box_q8 as u16,
             reach_q8,
             per_widening: Factor::ONE,
+            blurs_q12: [0, u16::MAX],
             per_plateau_q20: 0,
             far_q8: 0,
-            phases_log2: phases_log2(width_q8),
+            rounding_q8: (128 >> phases_log2) + if phases_log2 > 0 { 128 } else { 0 },
+            phases_log2,
+            step_log2: 8 - phases_log2,
             pixels: (2 * ((reach_q8 + 128) >> 8) + 1) as u8,
             first,
             first_phase,
@@ -260,7 +289,11 @@ impl Template {
 
     const fn off_q8(&self, phase: usize, pixel: u8) -> i32 {
         let from_middle_q8 = (pixel as i32 - self.pixels as i32 / 2) << 8;
-        from_middle_q8 - (((phase as i32 - (1 << self.phases_log2 >> 1)) << 8) >> self.phases_log2)
+        from_middle_q8 - self.phase_off_q8(phase)
+    }
+
+    const fn phase_off_q8(&self, phase: usize) -> i32 {
+        ((phase as i32 - (1 << self.phases_log2 >> 1)) << 8) >> self.phases_log2
     }
 
     /// How much of the change with the width another lens at the same width would explain.
@@ -289,5 +322,33 @@ impl Template {
             phase += 1;
         }
         largest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CLASSES, PHASES, Template};
+
+    /// Factors of a row that is as usual: their products are within the range of [`Factor::product`] for every blur and
+    /// contrast, and good to a part in 2¹².
+    #[test]
+    fn factors_of_usual_rows_make_products() {
+        for (class, template) in (0..CLASSES as u8).map(|class| (class, Template::of(class))) {
+            let phases = PHASES.iter().skip(template.first_phase.into()).take(1 << template.phases_log2);
+            for phase in phases {
+                for level in 4..=255 {
+                    let per_contrast = template.per_contrast(level << 8).expect("a contrast");
+                    for factor in [phase.norms.per_slope, phase.per_width] {
+                        let both = factor.roughly_and(per_contrast);
+                        assert!((12..44).contains(&(both.lost() + 16)), "class {class}, {level}: {both:?}");
+                        let value = 1 << 24;
+                        let exact = per_contrast.times(factor.times(value));
+                        let exact = f64::from(exact) / libm::exp2(f64::from(per_contrast.lost() + factor.lost()));
+                        let off = (f64::from(both.product(value)) - exact).abs();
+                        assert!(off <= 2.0 + exact / 4096.0, "class {class}, {level}: {off} of {exact}");
+                    }
+                }
+            }
+        }
     }
 }

@@ -104,23 +104,24 @@ pub(super) const SURE_SIGMA_Q16: u32 = 1 << 13;
 pub(super) const FEW_TEXTURED_ROWS: u16 = 4;
 pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
 
-/// Rows that the running means of levels, and of blur and their scatter, remember: 2 to these powers
-/// (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
-pub(super) const LEVEL_ROWS_LOG2: u32 = 5;
-pub(super) const BLUR_ROWS_LOG2: u32 = 4;
+/// Rows that the running means of levels, blur, noise and their scatter remember, and between those from which they are
+/// taken, once they are as many: 2 to these powers. The more rows lie between, the noisier are the means
+/// (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`, `cargo xtask budget --use "two bars"`).
+pub(super) const MEMORY_ROWS_LOG2: u32 = 5;
+pub(super) const LEARN_ROWS_LOG2: u32 = 2;
 
 /// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part
 /// in so many, as a power of two (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const LEAST_NOISE_ROWS_LOG2: u32 = 2;
-pub(super) const NOISE_ROWS_LOG2: u32 = 4;
 
 /// Rows, as a power of two, between which the root of the noise changes by less than a tenth of itself: it is taken
 /// anew only then, and in each of the first ones (`frames::sigma_is_honest`).
 pub(super) const RENEWAL_ROWS_LOG2: u32 = 4;
 
-/// Likewise for the class of the blur, which changes with it (`real_cameras::round_posts_lit_from_the_side` with 16
-/// rows).
-pub(super) const CLASS_ROWS_LOG2: u32 = 2;
+/// An edge whose column is off the expected one by up to one of so many parts of its blur, as a power of two, is
+/// located in one step (`clutter::crossing_bars_lead_no_line_astray` and
+/// `frames::short_bars_are_found_in_a_clear_view` with a quarter).
+pub(super) const ONE_STEP_PARTS_LOG2: u32 = 3;
 
 /// A row whose residual variance is so many times that of the rows before shows something else
 /// (`clutter::crossing_bars_lead_no_line_astray`).

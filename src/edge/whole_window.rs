@@ -2,20 +2,30 @@
 //! show.
 
 use super::moments::Moments;
-use super::pixel_row::{PixelRow, Stretch};
+use super::pixel_row::{PixelRow, Stretch, sum};
+use super::products::Products;
 use super::template::{Phase, Sampled, Template};
+use super::weight::Weight;
 use crate::format::Pixels;
 
 /// What a [`Window`](super::window::Window) is where neither a neighbour nor the border cuts off a part, and the light
 /// is bytes.
 pub(super) struct WholeWindow<'p> {
-    /// Pixels of the plateau on the left, of the flank, and of the plateau on the right.
-    left: &'p [u8],
-    flank: &'p [u8],
-    right: &'p [u8],
+    /// Of the plateau on the left, of the flank, and of the plateau on the right.
+    pixels: &'p [u8],
+    plateau: usize,
     pub(super) phase: &'static Phase,
     /// Where the step is expected: the phase that is nearest, in 1/256 px.
     pub(super) centre_q8: i32,
+}
+
+/// Sums over the pixels of a window.
+pub(super) struct Sums {
+    /// Of the plateaus: that on the left in the lower half, that on the right in the upper one. Either is below 2¹⁶.
+    plateaus: u32,
+    /// Of the flank, each pixel times what it should show.
+    slope: i32,
+    widening: i32,
 }
 
 impl<'p> WholeWindow<'p> {
@@ -28,65 +38,82 @@ impl<'p> WholeWindow<'p> {
         (left_q8, right_q8): (i32, i32),
     ) -> Option<Self> {
         let far_q8 = template.far_q8();
-        let is_alone =
-            column_q8 - far_q8 >= left_q8.max(0) && column_q8 + far_q8 <= right_q8.min((row.columns() - 1) << 8);
-        if !is_alone {
+        if column_q8 - far_q8 < left_q8 || column_q8 + far_q8 > right_q8 {
             return None;
         }
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
         let plateau = template.plateau() as usize;
-        // Within the row, since it is that far from the border.
-        let from = (first as usize).checked_sub(plateau)?;
-        let pixels = row.light_bytes(Stretch { from, to: from + 2 * plateau + phase.weights.len() })?;
-        let (left, rest) = pixels.split_at_checked(plateau)?;
-        let (flank, right) = rest.split_at_checked(phase.weights.len())?;
-        Some(Self { left, flank, right, phase, centre_q8 })
+        let from = usize::try_from(first - plateau as i32).ok()?;
+        let pixels = row.light_bytes(Stretch { from, to: from + template.window() })?;
+        Some(Self { pixels, plateau, phase, centre_q8 })
     }
 
-    /// Levels of the plateaus, in 1/256 of a grey level.
     #[inline(always)]
-    pub(super) fn levels_q8(&self, template: &Template) -> [i32; 2] {
-        let sums = sums(self.left, self.right);
-        [sums & 0xFFFF, sums >> 16].map(|sum| template.mean_q8(sum))
+    pub(super) fn sums(&self) -> Sums {
+        let (pixels, weights) = (self.pixels, self.phase.weights);
+        // Loops of the usual lengths are unrolled.
+        match weights.len() {
+            5 => sums_of::<5, 17>(pixels, weights),
+            7 => sums_of::<7, 21>(pixels, weights),
+            _ => sums_of_long(pixels, self.plateau, weights),
+        }
     }
 
     /// Given the levels to expect.
     #[inline(always)]
     pub(super) fn moments(&self, levels_q8: [i32; 2]) -> Moments {
-        Moments::of_bytes(self.flank, self.phase.weights, levels_q8)
-    }
-}
-
-/// Sums of the pixels of two plateaus: the lower half is that of the left one. Either is below 2¹⁶.
-fn sums(left: &[u8], right: &[u8]) -> u32 {
-    // Loops of the usual lengths are unrolled.
-    match right.len() {
-        6 => sums_of_chunks::<6>(left, right),
-        7 => sums_of_chunks::<7>(left, right),
-        _ => sums_of_long(left, right),
+        let flank = self.pixels.get(self.plateau..).unwrap_or_default();
+        Moments::of_bytes(flank, self.phase.weights, levels_q8)
     }
 }
 
 #[inline(always)]
-fn sums_of_chunks<const PIXELS: usize>(left: &[u8], right: &[u8]) -> u32 {
-    match (left.first_chunk::<PIXELS>(), right.first_chunk::<PIXELS>()) {
-        (Some(left), Some(right)) => sum_both(left, right),
-        _ => 0,
+fn sums_of<const FLANK: usize, const WINDOW: usize>(pixels: &[u8], weights: &[Weight]) -> Sums {
+    match (pixels.first_chunk::<WINDOW>(), weights.first_chunk::<FLANK>()) {
+        (Some(pixels), Some(weights)) => sums_of_chunks(pixels, weights),
+        _ => Sums { plateaus: 0, slope: 0, widening: 0 },
     }
+}
+
+#[inline(never)] // all of it then fits into the registers
+fn sums_of_chunks<const FLANK: usize, const WINDOW: usize>(pixels: &[u8; WINDOW], weights: &[Weight; FLANK]) -> Sums {
+    Sums::of(pixels, const { (WINDOW - FLANK) / 2 }, weights)
 }
 
 #[inline(never)]
-fn sums_of_long(left: &[u8], right: &[u8]) -> u32 {
-    sum_both(left, right)
+fn sums_of_long(pixels: &[u8], plateau: usize, weights: &[Weight]) -> Sums {
+    Sums::of(pixels, plateau, weights)
 }
 
-#[inline(always)]
-fn sum_both(left: &[u8], right: &[u8]) -> u32 {
-    left.iter().zip(right).fold(0, |sums, (one, other)| sums + u32::from(*one) + (u32::from(*other) << 16))
+impl Sums {
+    #[inline(always)]
+    fn of(pixels: &[u8], plateau: usize, weights: &[Weight]) -> Self {
+        let (left, rest) = pixels.split_at(plateau.min(pixels.len()));
+        let (flank, right) = rest.split_at(weights.len().min(rest.len()));
+        let plateaus = sum(left) + (sum(right) << 16);
+        let (slope, widening) = flank.iter().zip(weights).fold((0, 0), |(slope, widening), (pixel, weight)| {
+            let pixel = i32::from(*pixel);
+            (slope + pixel * i32::from(weight.slope), widening + pixel * i32::from(weight.widening))
+        });
+        Self { plateaus, slope, widening }
+    }
+
+    /// Levels of the plateaus, in 1/256 of a grey level.
+    #[inline(always)]
+    pub(super) fn levels_q8(&self, template: &Template) -> [i32; 2] {
+        [template.mean_q8(self.plateaus & 0xFFFF), template.mean_q8(self.plateaus >> 16)]
+    }
+
+    /// Given the levels to expect.
+    #[inline(always)]
+    pub(super) fn products(&self, phase: &Phase, levels_q8: [i32; 2]) -> Products {
+        phase.expected.products(self.slope, self.widening, levels_q8)
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::weight::Weight;
     use super::super::window::Window;
     use super::{PixelRow, Template, WholeWindow};
     use crate::setup::Response;
@@ -112,10 +139,19 @@ mod tests {
                 let whole = WholeWindow::new(&row, column_q8, template, bounds_q8).expect("far from the border");
                 let window = Window::new(row, column_q8, template, bounds_q8).expect("in the row");
                 assert_eq!(whole.centre_q8, window.centre_q8);
-                let (levels_q8, own_q8) = (whole.levels_q8(template), window.levels_q8().expect("plateaus"));
+                let sums = whole.sums();
+                let (levels_q8, own_q8) = (sums.levels_q8(template), window.levels_q8().expect("plateaus"));
                 let off_q8 = levels_q8.iter().zip(own_q8).map(|(level_q8, own_q8)| level_q8.abs_diff(own_q8)).max();
                 assert!(off_q8 <= Some(1), "class {class}: {levels_q8:?} for {own_q8:?}");
-                assert_eq!(whole.moments(own_q8), window.moments(own_q8), "class {class}");
+                let (moments, products) = (whole.moments(own_q8), sums.products(whole.phase, own_q8));
+                assert_eq!(moments, window.moments(own_q8), "class {class}");
+                // Each residual is rounded to 1/64 of a level, down: at most that times the sum of the weights.
+                let weights = whole.phase.weights;
+                let most = |weight: fn(&Weight) -> u32| weights.iter().map(weight).sum::<u32>() + 8;
+                let off = moments.residual_slope.abs_diff(products.residual_slope);
+                assert!(off <= most(|weight| weight.slope.into()), "class {class}: {off}");
+                let off = moments.residual_widening.abs_diff(products.residual_widening);
+                assert!(off <= most(|weight| weight.widening.unsigned_abs().into()), "class {class}: {off}");
             }
         }
     }
@@ -132,8 +168,8 @@ mod tests {
         assert!(!is_whole((middle_q8 - far_q8 + 1, 1 << 20)) && !is_whole((-(1 << 20), middle_q8 + far_q8 - 1)));
         for column_q8 in (0..64 << 8).step_by(64) {
             let is_whole = WholeWindow::new(&row, column_q8, template, (-(1 << 20), 1 << 20)).is_some();
-            let to_border_q8 = column_q8.min((63 << 8) - column_q8);
-            assert_eq!(is_whole, to_border_q8 >= far_q8, "{column_q8}");
+            let (first, last) = (template.at(column_q8).first - template.plateau(), template.window() as i32 - 1);
+            assert_eq!(is_whole, first >= 0 && first + last < 64, "{column_q8}");
         }
     }
 }

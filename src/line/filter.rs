@@ -151,15 +151,32 @@ impl Filter {
         let predicted_q16 = self.column_after(rows);
         // No gate is as wide as that.
         let off_q16 = column_q16.saturating_sub(predicted_q16).clamp(-(1 << 28), 1 << 28);
-        let scatter_q16 = i32::from(self.scatter_q16);
-        let more_q16 = off_q16.abs().min(4 * scatter_q16) - scatter_q16;
-        let mean_q16 = scatter_q16 + part(more_q16, memory.0.scatter_q16);
-        self.scatter_q16 = mean_q16.clamp(1, i32::from(MOST_SCATTER_Q16)) as u16;
-        let off_q16 = if in_texture { off_q16.clamp(-2 * scatter_q16, 2 * scatter_q16) } else { off_q16 };
+        let twice_q16 = 2 * i32::from(self.scatter_q16);
+        self.scatter(off_q16, memory);
+        let off_q16 = if in_texture { off_q16.clamp(-twice_q16, twice_q16) } else { off_q16 };
         self.column_q16 = predicted_q16.saturating_add(part(off_q16, memory.0.column_q16));
         let turn_q16 = part(off_q16, memory.0.turn_q16);
         let turn_q16 = if rows > 1 { turn_q16.checked_div(rows.into()).unwrap_or(0) } else { turn_q16 };
         self.slope_q16 = self.slope_q16.saturating_add(turn_q16).clamp(-(1 << 30), 1 << 30);
+    }
+
+    /// Likewise to a point of the next row, off its prediction by less than a gate, elsewhere than in texture.
+    #[inline(always)]
+    pub(super) fn follow_next(&mut self, column_q16: i32, predicted_q16: i32, memory: Memory) {
+        let off_q16 = column_q16 - predicted_q16;
+        self.scatter(off_q16, memory);
+        self.column_q16 = predicted_q16.saturating_add(part(off_q16, memory.0.column_q16));
+        let slope_q16 = self.slope_q16.saturating_add(part(off_q16, memory.0.turn_q16));
+        self.slope_q16 = slope_q16.clamp(-(1 << 30), 1 << 30);
+    }
+
+    /// Takes the size of what a point is off for the scatter.
+    #[inline(always)]
+    fn scatter(&mut self, off_q16: i32, memory: Memory) {
+        let scatter_q16 = i32::from(self.scatter_q16);
+        let more_q16 = off_q16.abs().min(4 * scatter_q16) - scatter_q16;
+        let mean_q16 = scatter_q16 + part(more_q16, memory.0.scatter_q16);
+        self.scatter_q16 = mean_q16.clamp(1, i32::from(MOST_SCATTER_Q16)) as u16;
     }
 }
 

@@ -27,11 +27,23 @@ impl Knot {
         knot
     }
 
-    /// Adds a point of the line that begins with `first`. Only times can saturate, and not those of points that a
-    /// [`Ranger`](crate::Ranger) has checked.
+    /// Adds a point of the line that begins with `first`. Only times can saturate.
     pub(super) fn add_point(&mut self, point: &EdgePoint, first: &EdgePoint) {
+        let time_ns = point.time_ns.saturating_sub(first.time_ns);
+        self.add_sums(point, first, self.times_ns.saturating_add(time_ns));
+    }
+
+    /// Likewise of a point whose time a [`Ranger`](crate::Ranger) has checked: the sum over a line's 65536 rows fits.
+    #[inline(always)]
+    pub(super) fn add_checked(&mut self, point: &EdgePoint, first: &EdgePoint) {
+        let time_ns = point.time_ns.wrapping_sub(first.time_ns);
+        self.add_sums(point, first, self.times_ns.wrapping_add(time_ns));
+    }
+
+    #[inline(always)]
+    fn add_sums(&mut self, point: &EdgePoint, first: &EdgePoint, times_ns: i64) {
+        self.times_ns = times_ns;
         self.columns_q16 += i64::from(point.column_q16) - i64::from(first.column_q16);
-        self.times_ns = self.times_ns.saturating_add(point.time_ns.saturating_sub(first.time_ns));
         // No weight is infinite. Sums over a line's 65536 rows fit: of squares below 2⁴⁹, of rows and of widths below
         // 2¹⁶.
         self.variances_q32 =
@@ -55,10 +67,11 @@ impl Knot {
     }
 }
 
-/// In 32 bits where it fits, as that of most sigmas does: some cores have no longer product.
 fn square(sigma_q16: u32) -> u64 {
     match u16::try_from(sigma_q16) {
-        Ok(small_q16) => u64::from(u32::from(small_q16) * u32::from(small_q16)),
-        Err(_) => u64::from(sigma_q16) * u64::from(sigma_q16),
+        // Where there is no atomic word there is no long product either: in 32 bits where it fits, as that of most
+        // sigmas does.
+        Ok(small_q16) if !cfg!(target_has_atomic = "32") => u64::from(u32::from(small_q16) * u32::from(small_q16)),
+        _ => u64::from(sigma_q16) * u64::from(sigma_q16),
     }
 }

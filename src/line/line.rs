@@ -84,6 +84,27 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Ok(())
     }
 
+    /// Appends the point of the next row, of the same polarity, which a [`Ranger`](crate::Ranger) has checked.
+    #[inline(always)]
+    pub(super) fn push_next(&mut self, row: u16, time_ns: i64, column_q16: i32, sigma_q16: u32, width_q8: u16) {
+        let last = &mut self.last;
+        (last.row, last.time_ns, last.column_q16, last.sigma_q16, last.width_q8) =
+            (row, time_ns, column_q16, sigma_q16, width_q8);
+        let index = usize::from(row.abs_diff(self.first.row) >> self.span_log2);
+        match self.knots.get_mut(index) {
+            Some(knot) => knot.add_checked(&self.last, &self.first),
+            None => self.add_last(),
+        }
+        self.points = self.points.saturating_add(1);
+    }
+
+    /// Begins a knot with the last point.
+    #[inline(never)]
+    fn add_last(&mut self) {
+        let last = self.last;
+        self.add(&last);
+    }
+
     /// Refuses a point that does not come after the last one, on the same side of the first.
     fn check_order(&self, point: &EdgePoint) -> Result<(), OutOfOrder> {
         let advance = i32::from(point.row) - i32::from(self.last.row);

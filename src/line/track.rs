@@ -8,7 +8,7 @@ use super::tuning::{
     GATE_POINTS, LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
     NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow};
+use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -66,6 +66,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Takes its gate anew where that may have changed.
+    #[inline(never)]
     fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
         let points = self.line.points();
         let is_settled = self.model.is_some() && points > GATE_POINTS;
@@ -159,16 +160,53 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Takes the edge's point in a row of pixels, if its model finds it there.
+    #[inline(never)]
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         prediction: &Prediction,
-        at: RowTime,
-        row: PixelRow<'_, P>,
-        around: Neighbours,
+        at: &RowTime,
+        row: &PixelRow<'_, P>,
+        around: &Neighbours,
+        limits: &Limits,
+    ) -> bool {
+        let Prediction { column_q16, gate_q16, .. } = *prediction;
+        let Some(model) = &mut self.model else { return false };
+        let is_next = at.row.abs_diff(self.line.last.row) == 1 && !self.line.is_beside_texture;
+        if is_next && let Some(found) = model.locate_usual(row, column_q16, gate_q16, around) {
+            self.take_next(&found, column_q16, at, limits);
+            return true;
+        }
+        self.locate_closely(prediction, at, row, around, limits)
+    }
+
+    /// Takes what the next row shows as the rows before did.
+    #[inline(always)]
+    fn take_next(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
+        let &LocatedPoint { column_q16, sigma_q16, width_q8 } = found;
+        // A row that disagrees with its line weighs less.
+        let off_q16 = column_q16.abs_diff(predicted_q16);
+        self.line.push_next(at.row, at.time_ns, column_q16, sigma_q16.max(off_q16 / 2), width_q8);
+        self.unexpected_points = 0;
+        let points = self.line.points;
+        let memory = self.memory();
+        self.filter.follow_next(column_q16, predicted_q16, memory);
+        if points <= GATE_POINTS || points.is_multiple_of(GATE_POINTS) {
+            self.renew_gate(memory, limits);
+        }
+    }
+
+    /// Likewise where the row may show anything else than the rows before.
+    #[inline(never)]
+    fn locate_closely<P: Pixels>(
+        &mut self,
+        prediction: &Prediction,
+        at: &RowTime,
+        row: &PixelRow<'_, P>,
+        around: &Neighbours,
         limits: &Limits,
     ) -> bool {
         let Some(model) = &mut self.model else { return false };
-        let Some(found) = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around) else {
+        let Some(found) = model.locate(*row, prediction.column_q16, prediction.gate_q16, 0, *around) else {
             return false;
         };
         if model.is_surely_beside_texture() && !self.line.is_beside_texture {

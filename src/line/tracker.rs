@@ -91,7 +91,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let is_sought = *role == Role::Confirmed && !prediction.coasting;
             if is_sought
                 && let Some(track) = self.table.track_mut(*slot)
-                && track.locate(prediction, at, pixels, candidates.around(index), limits)
+                && track.locate(prediction, &at, &pixels, &candidates.around(index), limits)
             {
                 // There is room: one for each line.
                 let _ = flanks.push(flank(track.line.last()));

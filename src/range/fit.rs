@@ -109,9 +109,10 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item
     }
     problem.solve(&start.unknowns())?;
     problem.settle_without_outliers()?;
+    let half_to_twin = problem.tell_from_twin()?;
     let goodness_of_fit = problem.goodness_of_fit();
     problem.settle_with_wander()?;
-    problem.conclude(motion, &start, state);
+    problem.conclude(motion, &start, half_to_twin, state);
     Ok(Fitted { goodness_of_fit, is_in_front: problem.last.is_in_front, inliers: problem.inliers() })
 }
 
@@ -194,24 +195,30 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         Wander::of::<N>(&residuals, self.setup, self.prior.width_px, is_known)
     }
 
-    /// What the settled fit says, with the errors that all samples share.
+    /// What the settled fit says, with the errors that all samples share and the twin that it may be.
     #[inline(never)]
-    fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, state: &mut LineState<S>) {
+    fn conclude<M: Motion<S>>(
+        &self,
+        motion: &M,
+        axes: &Line3<S>,
+        half_to_twin: Option<[S; 3]>,
+        state: &mut LineState<S>,
+    ) {
         let Solved { at, found, solution, .. } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = axes.with(*at).direction();
         let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
         settled.sensitivity(&mut state.sensitivity);
         state.line3 = axes.with(*found);
-        state.covariance = self.covariance();
+        state.covariance = self.covariance(half_to_twin);
     }
 
     #[inline(never)]
-    fn covariance(&self) -> Covariance<S> {
+    fn covariance(&self, half_to_twin: Option<[S; 3]>) -> Covariance<S> {
         let Solved { solution, has_settled, .. } = &self.last;
         // Between several places the rounds tell nothing of the depth.
         let unsettled = [S::ZERO, if *has_settled { S::ZERO } else { S::UNKNOWN }, S::ZERO];
-        solution.covariance().and(unsettled)
+        solution.covariance().and(unsettled).and(half_to_twin.unwrap_or([S::ZERO; 3]))
     }
 
     fn inliers(&self) -> Vec<bool, N> {

@@ -181,9 +181,14 @@ impl<S: Scalar> Solution<S> {
         over(self.ww)
     }
 
-    /// One over the variance of the inverse depth.
+    /// Zero where nothing tells the inverse depth.
+    pub(super) fn variance_of_inverse_depth(&self) -> S {
+        over(self.qq) + self.c * self.c * over(self.ww)
+    }
+
+    /// One over that variance.
     pub(crate) fn information_of_inverse_depth(&self) -> S {
-        over(over(self.qq) + self.c * self.c * over(self.ww))
+        over(self.variance_of_inverse_depth())
     }
 
     /// The change of bearing, inverse depth and tilt which costs least among those of a given change of the inverse

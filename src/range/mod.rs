@@ -19,6 +19,7 @@ mod wander;
 mod prior;
 mod settled;
 mod problem;
+mod twin;
 mod outliers;
 mod status;
 mod estimate;

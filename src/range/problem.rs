@@ -158,7 +158,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Iterates until another round would change next to nothing: mostly one is enough. Rounds that go to and fro
     /// between two places meet halfway. Whether they converge.
-    fn converge(&mut self, start: &Unknowns<S>) -> bool {
+    pub(super) fn converge(&mut self, start: &Unknowns<S>) -> bool {
         let nearby = S::ratio(1, NEARBY_PART * NEARBY_PART);
         let mut next = *start;
         let mut before = S::ZERO;
@@ -226,13 +226,32 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         true
     }
 
+    /// Equations of samples as they were before they were centred.
+    pub(super) fn equations_of<const M: usize>(&self, samples: [usize; M]) -> [Option<Equation<S>>; M] {
+        let units = self.equations.units;
+        let near = self.last.solution.near(units);
+        samples.map(|index| {
+            let equation = self.equations.observed.get(index)?;
+            let [q, w] = near.uncentred(equation);
+            Some(Equation { q, w, ..*equation }.whole(units))
+        })
+    }
+
+    /// The equation of a sample linearised about another place.
+    pub(super) fn equation_at(&self, at: &Unknowns<S>, index: usize) -> Option<Equation<S>> {
+        let observation = self.observations.get(index)?;
+        let near = at.near(observation.normals.units.reach());
+        let (equation, units, _) = observe(observation, &near, Round::Later)?;
+        Some(equation.whole(units))
+    }
+
     /// Mean square of all deviations.
     pub(super) fn scatter(&self) -> S {
         self.cost() / S::from_i32(self.observations.len().max(1) as i32)
     }
 
     /// Sum of the squares of all deviations.
-    fn cost(&self) -> S {
+    pub(super) fn cost(&self) -> S {
         self.last.solution.cost(&self.equations)
     }
 

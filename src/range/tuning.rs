@@ -89,3 +89,18 @@ pub(super) const REWEIGHTED_PART: i32 = 20;
 /// rows to tell a wander from pieces of several edges (`cargo test false_distances::of_leaning_bars`).
 pub(super) const SHORT_LENGTHS: i32 = 2;
 pub(super) const MOST_SHORT_MISFIT: (i32, i32) = (3, 2);
+
+/// Where the curve of a line tells less than two fifths of its depth, the prior of the tilt tells it from its twin (`cargo
+/// test the_right_one_of_several_minima` with more, `cargo test coverage` with less).
+pub(super) const CURVE_PART: (i32, i32) = (2, 5);
+
+/// Whether there is a twin is not asked where its turning point is more than so many sigmas away: the prior of the tilt
+/// rules it out, and it costs rounds.
+pub(super) const FARTHEST_TURN: i32 = 32;
+
+/// Where what lies between twins fits worse by less than so many sigmas, both are in sigma (`cargo test
+/// the_right_one_of_several_minima` with less).
+pub(super) const LEAST_BARRIER: i32 = 4;
+
+/// Likewise where a twin fits worse by less than four sigma: the square of it.
+pub(super) const TWIN_COST: i32 = 16;
