@@ -70,7 +70,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 /// given those at both ends.
 fn curve<S: Scalar>(equations: [Option<Equation<S>>; 3]) -> Option<S> {
     let per_one = |equation: Equation<S>| {
-        let per_one = S::ONE / equation.one;
+        let per_one = equation.one.reciprocal();
         (equation.q * per_one, equation.w * per_one)
     };
     let [first, middle, last] = equations;

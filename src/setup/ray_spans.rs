@@ -104,7 +104,8 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
         // Below 5/2: the product is below one.
         let along = per_fx.size() + 2;
         let along_row = [du, dw].map(|part| part.times(per_fx.near(along)));
-        let ray = i32::from(middle.into_iter().any(|part| !(part.abs() < S::Near::ratio(1, 1))));
+        let is_below_one = S::Near::IS_WIDE || middle.into_iter().all(|part| part.abs() < S::Near::ratio(1, 1));
+        let ray = i32::from(!is_below_one);
         let [middle, half] = [middle, half].map(|pair| pair.map(|part| part.over_power_of_two(ray)));
         Some(RaySpan { middle, half, along_row, ray, along })
     }
