@@ -68,12 +68,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
     fn deviations(&self, solution: &Solution<S>, scales: &[S]) -> Vec<S, N> {
         let near = solution.near(self.equations.units);
-        let scales = scales.iter().copied().chain(core::iter::repeat(S::ONE));
         let mut sizes = Vec::new();
-        for ((equation, observation), scale) in self.equations.observed.iter().zip(&self.observations).zip(scales) {
+        for (index, (equation, observation)) in self.equations.observed.iter().zip(&self.observations).enumerate() {
             if observation.is_inlier {
+                let size = near.deviation::<S>(equation).abs();
                 // There is room: as many as observations.
-                let _ = sizes.push(near.deviation::<S>(equation).abs() * scale);
+                let _ = sizes.push(scales.get(index).map_or(size, |scale| size * *scale));
             }
         }
         sizes

@@ -7,7 +7,8 @@ use super::least_squares::{Solution, solve};
 use super::observation::Observation;
 use super::prior::Prior;
 use super::tuning::{
-    FULL_ROUNDS, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART, SETTLED_PART,
+    FULL_ROUNDS, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, MOST_SCATTER, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART,
+    SETTLED_PART,
 };
 use super::unknowns::{NearUnknowns, Unknowns};
 use crate::error::FitError;
@@ -188,6 +189,10 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let moves = if is_near { self.blur_moves() } else { S::ZERO };
         if is_near && moves < settled && self.is_linear(settled) {
             return true;
+        }
+        // A straight edge does not scatter by as much as this.
+        if !(step_squared < S::from_i32(MOST_SCATTER * MOST_SCATTER)) {
+            return false;
         }
         // With more scatter than stated each of these limits is wider, and no other number is another one.
         let scatter = self.scatter();

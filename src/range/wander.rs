@@ -31,17 +31,19 @@ pub(super) struct Residual<'a, S: Scalar> {
     stretch: &'a Observation<S>,
     /// In units of the sigma that the fit has used.
     deviation: S,
+    noise: S::Kept,
 }
 
 impl<'a, S: Scalar> Residual<'a, S> {
     pub(super) fn new(stretch: &'a Observation<S>, deviation: S) -> Self {
         let cap = S::from_i32(MOST_SIGMAS);
-        Self { stretch, deviation: deviation.min(cap).max(-cap) }
+        let noise = (stretch.sigma_px() * stretch.per_sigma()).kept();
+        Self { stretch, deviation: deviation.min(cap).max(-cap), noise }
     }
 
     /// The stated noise, in the same units.
     fn noise(&self) -> S {
-        self.stretch.sigma_px() * self.stretch.per_sigma()
+        S::of_kept(self.noise)
     }
 }
 
