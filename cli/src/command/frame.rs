@@ -256,10 +256,15 @@ pub(crate) fn lines_of_grey(pixels: &GrayImage, setup: &Setup<f64>) -> Result<Fo
 /// Each frame has a new ranger, whose counters are then those of this frame alone.
 fn lines<P: Pixels>(setup: &Setup<f64>, pixels_of: impl Fn(u16) -> Option<P>) -> Result<FoundLines> {
     let mut ranger = Box::new(LargeRanger::new());
-    let mut lines = Vec::new();
+    let (mut lines, mut buffer) = (Vec::new(), Vec::new());
     for rows_before in 0..setup.readout().rows() {
         let row = setup.readout().row_after(rows_before);
-        match ranger.row(setup, row, pixels_of(row).context("the picture is too small")?) {
+        let pixels = pixels_of(row).context("the picture is too small")?;
+        let taken = match whole_levels(pixels, &mut buffer) {
+            Some(levels) => ranger.row(setup, row, levels),
+            None => ranger.row(setup, row, pixels),
+        };
+        match taken {
             Err(jump @ RowError::Jump { .. }) => {
                 return Ok(FoundLines { jump: Some(jump), ..FoundLines::torn(*ranger.counters()) });
             }
@@ -270,4 +275,20 @@ fn lines<P: Pixels>(setup: &Setup<f64>, pixels_of: impl Fn(u16) -> Option<P>) ->
     ranger.end_frame(setup);
     lines.extend(std::iter::from_fn(|| ranger.next_line()));
     Ok(FoundLines { lines, torn: false, jump: None, counters: *ranger.counters() })
+}
+
+/// The levels of a row without fractions, so that the same levels are read alike in every format.
+fn whole_levels<P: Pixels>(pixels: P, buffer: &mut Vec<u8>) -> Option<&[u8]> {
+    if pixels.mosaic_row().is_some() {
+        return None;
+    }
+    buffer.clear();
+    for level_q8 in pixels.levels_q8(0..pixels.columns()) {
+        let [level, fraction] = level_q8.to_be_bytes();
+        if fraction != 0 {
+            return None;
+        }
+        buffer.push(level);
+    }
+    Some(buffer)
 }
