@@ -116,7 +116,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             {
                 let flank = flank(track.line.last());
                 let at = flanks.partition_point(|other| other.start <= flank.start);
-                // There is room: one for each line. It is not beyond them, but only so is that seen where code is small.
+                // There is room: one for each line. It is never beyond them, which the compiler sees only so.
                 let _ = flanks.insert(at.min(flanks.len()), flank);
                 candidates.see(index);
                 located += 1;
