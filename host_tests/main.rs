@@ -18,6 +18,7 @@ mod drawn;
 mod edges_beside_texture;
 mod endpoints;
 mod false_distances;
+mod extents;
 mod fences;
 mod flicker;
 mod forward_motion;

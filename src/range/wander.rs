@@ -70,11 +70,7 @@ impl<S: Scalar> Wander<S> {
     ///
     /// In a sequence each frame counts for itself: what of a wander is the object's is the same in all of them and does
     /// parallax no harm, but what neighbours and backgrounds do to it changes.
-    pub(super) fn of<const N: usize>(
-        residuals: &[Residual<'_, S>],
-        setup: &Setup<S>,
-        blur_px: S,
-    ) -> Option<Self> {
+    pub(super) fn of<const N: usize>(residuals: &[Residual<'_, S>], setup: &Setup<S>, blur_px: S) -> Option<Self> {
         let roughness_px = setup.uncertainty().edge_roughness_px;
         let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
         let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
