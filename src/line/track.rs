@@ -68,6 +68,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
     }
 
+    /// Where it should cross `row`, for a line that takes no point there.
+    pub(super) fn column_only(&self, row: u16) -> Prediction {
+        let rows = row.abs_diff(self.line.last().row);
+        Prediction { column_q16: self.filter.column_after(rows), gate_q16: 0, coasting: false }
+    }
+
     /// Takes its gate anew where that may have changed.
     fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
         let points = self.line.points();
@@ -176,11 +182,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: &Neighbours,
         limits: &Limits,
     ) -> bool {
+        let (column_q16, gate_q16) = (self.next_column_q16(), u32::from(self.filter.gate_q8) << 8);
         let Some(model) = &mut self.model else { return false };
         if at.row.abs_diff(self.line.last.row) != 1 || self.line.is_beside_texture {
             return false;
         }
-        let (column_q16, gate_q16) = (self.filter.column_after(1), u32::from(self.filter.gate_q8) << 8);
         let Some(found) = model.locate_usual(row, column_q16, gate_q16, around) else { return false };
         self.take_next(&found, column_q16, at, limits);
         true
