@@ -66,6 +66,7 @@ mod sizing;
 mod statuses;
 mod symmetries;
 mod table2;
+mod thresholded;
 mod torn;
 mod tracking;
 mod trajectory;

@@ -86,9 +86,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// How far off its prediction a point so many rows on may lie, in 1/65536 px.
     fn gate_after(&self, rows: u16, memory: Memory, limits: &Limits) -> u32 {
-        let gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
+        let of_row_q16 = 4 * self.row_sigma_q16();
+        let gate_q16 = memory.gate_q16(rows, limits).saturating_add(of_row_q16);
         let gate_q16 = if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
-            gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.line.is_beside_texture))
+            let of_scatter_q16 = self.filter.scatter_gate_q16(memory, rows, self.line.is_beside_texture);
+            // What no model locates may be known worse than it scatters: to a pixel, and then it jumps by one.
+            let least_q16 = if self.unexpected_points > 0 { of_row_q16 } else { 0 };
+            gate_q16.min(of_scatter_q16.max(least_q16))
         } else {
             gate_q16
         };
