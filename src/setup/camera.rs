@@ -1,6 +1,7 @@
 //! [`Camera`]: the direction in which each pixel looks.
 
 use super::distortion::Distortion;
+use super::optics::{CameraOptics, Optics};
 use crate::error::ParameterError;
 use crate::scalar::{Scalar, Whole};
 
@@ -63,6 +64,8 @@ pub struct Camera<S> {
     /// Of any ideal or recorded point; zero where the lens does not distort.
     #[cfg_attr(feature = "serde", serde(skip))]
     largest: [S; 2],
+    #[cfg_attr(feature = "serde", serde(skip))]
+    optics: CameraOptics<S>,
 }
 
 /// A direction `(u, w, 1)` in the camera's axes (x right, y down, z forward), and how it changes along the row.
@@ -90,7 +93,15 @@ impl<S: Scalar> Camera<S> {
     /// would share a pixel.
     ///
     /// *Cost*: a few operations, or 512 inversions of the distortion.
+    // Inlined, so that a program in which all lenses have none, as it can be seen, holds nothing of the distortion.
+    #[inline]
     pub fn new(intrinsics: Intrinsics<S>, distortion: Distortion<S>) -> Result<Self, ParameterError> {
+        let camera = Self::without_distortion(intrinsics)?;
+        if distortion.is_none() { Ok(camera) } else { camera.with_distortion(distortion) }
+    }
+
+    /// *Errors*: those of [`Camera::new`] that are not the distortion's.
+    pub(super) fn without_distortion(intrinsics: Intrinsics<S>) -> Result<Self, ParameterError> {
         let Intrinsics { columns, rows, fx, fy, cx, cy } = intrinsics;
         for (name, size) in [("columns", columns), ("rows", rows)] {
             if size == 0 || size > MAX_SIZE {
@@ -109,13 +120,20 @@ impl<S: Scalar> Camera<S> {
                 return Err(ParameterError::new(name, centre.to_f64(), expected));
             }
         }
+        let (per_fx, per_fy, largest) = (S::ONE / fx, S::ONE / fy, [S::ZERO; 2]);
+        let (distortion, optics) = (Distortion::NONE, CameraOptics::STRAIGHT);
+        Ok(Self { intrinsics, distortion, per_fx, per_fy, largest, optics })
+    }
+
+    /// The same behind a lens that distorts.
+    #[inline(never)]
+    fn with_distortion(self, distortion: Distortion<S>) -> Result<Self, ParameterError> {
         for (name, value) in ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"].into_iter().zip(distortion.to_opencv()) {
             if !(value.is_finite() && value.abs() <= S::from_i32(1000)) {
                 return Err(ParameterError::new(name, value.to_f64(), "finite, at most 1000 in size"));
             }
         }
-        let (per_fx, per_fy, largest) = (S::ONE / fx, S::ONE / fy, [S::ZERO; 2]);
-        let mut camera = Self { intrinsics, distortion, per_fx, per_fy, largest };
+        let mut camera = Self { distortion, optics: CameraOptics::DISTORTING, ..self };
         camera.refuse_folding()?;
         Ok(camera)
     }
@@ -127,8 +145,13 @@ impl<S: Scalar> Camera<S> {
     }
 
     /// Whether the lens does not distort.
-    pub(crate) fn is_straight(&self) -> bool {
-        self.distortion.is_none()
+    pub(crate) const fn is_straight(&self) -> bool {
+        self.optics.is_straight()
+    }
+
+    /// `None` where it does not.
+    pub(super) fn optics(&self) -> Option<&dyn Optics<S>> {
+        self.optics.of(&self.distortion)
     }
 
     /// Changes of the bearings by a pixel along the row and along the column, without distortion.
@@ -165,10 +188,8 @@ impl<S: Scalar> Camera<S> {
     pub fn ray(&self, column: S, row: S) -> Option<Ray<S>> {
         let recorded = self.normalised(column, row);
         let straight = Ray { u: recorded[0], w: recorded[1], du_dcolumn: self.per_fx, dw_dcolumn: S::ZERO };
-        if self.distortion.is_none() {
-            return Some(straight);
-        }
-        self.distortion.undistort(recorded).map(|ideal| {
+        let Some(optics) = self.optics() else { return Some(straight) };
+        optics.undistorted(recorded).map(|ideal| {
             let [Whole(u), Whole(w)] = ideal.point;
             let [[Whole(du), _], [Whole(dw), _]] = ideal.jacobian;
             Ray { u, w, du_dcolumn: du * self.per_fx, dw_dcolumn: dw * self.per_fx }
@@ -178,7 +199,8 @@ impl<S: Scalar> Camera<S> {
     /// Where a direction `(u, w, 1)` is recorded: column and row in pixels.
     #[must_use]
     pub fn pixel(&self, u: S, w: S) -> (S, S) {
-        let [Whole(u), Whole(w)] = self.distortion.distort([u, w]).point;
+        let recorded = self.optics().map(|optics| optics.distorted([u, w]).point);
+        let [u, w] = recorded.map_or([u, w], |point| point.map(|Whole(part)| part));
         let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
         (cx + fx * u, cy + fy * w)
     }
@@ -190,9 +212,6 @@ impl<S: Scalar> Camera<S> {
     /// Goes from the principal point to the border of the image in 32 directions: the ideal point must move outwards at
     /// every step, and must map back to the recorded one. Takes down the largest.
     fn refuse_folding(&mut self) -> Result<(), ParameterError> {
-        if self.distortion.is_none() {
-            return Ok(());
-        }
         for spoke in 0..32 {
             let [u, w] = self.border_point(spoke);
             let mut reached = S::ZERO;

@@ -2,6 +2,8 @@
 
 mod lens;
 mod distortion;
+mod lens_spans;
+mod optics;
 mod camera;
 mod ray_spans;
 mod readout;
@@ -14,9 +16,10 @@ mod setup;
 
 pub use camera::{Camera, Intrinsics, Ray};
 pub use distortion::Distortion;
+pub(crate) use lens_spans::RaySpan;
 pub use limits::Limits;
 pub use motion_blur::MotionBlur;
-pub(crate) use ray_spans::{RaySpan, RaySpans};
+pub(crate) use ray_spans::RaySpans;
 pub use readout::{Readout, ReadoutDirection};
 pub use response::Response;
 pub use setup::Setup;

@@ -1,7 +1,6 @@
 //! [`Setup`]: all that stays the same from frame to frame, checked once.
 
 use super::camera::{Camera, Intrinsics};
-use super::distortion::Distortion;
 use super::limits::Limits;
 use super::motion_blur::MotionBlur;
 use super::readout::{Readout, ReadoutDirection};
@@ -77,7 +76,7 @@ impl<S: Scalar> Setup<S> {
     ///
     /// *Errors*: as [`Camera::new`] and [`Readout::from_frame_readout_ns`].
     pub fn pinhole(columns: u16, rows: u16, focal_px: S, frame_readout_ns: u64) -> Result<Self, ParameterError> {
-        let camera = Camera::new(Intrinsics::centred(columns, rows, focal_px), Distortion::NONE)?;
+        let camera = Camera::without_distortion(Intrinsics::centred(columns, rows, focal_px))?;
         Self::new(camera, Readout::from_frame_readout_ns(rows, frame_readout_ns, ReadoutDirection::TopToBottom)?)
     }
 
