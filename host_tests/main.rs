@@ -35,6 +35,7 @@ mod measure;
 mod messages;
 mod minima;
 mod monte_carlo;
+mod newcomers;
 mod outliers;
 mod plan;
 mod post;

@@ -106,8 +106,8 @@ Statuses:
   cluttered     so much texture around it that the line may be one by chance
   short         too few rows
   sideways      upright edges run along the rows: the camera lies on its side or looks up or down
-  tentative     in a sequence, with --all: a line that is cluttered or short, until three frames agree
-                and more than chance would make them
+  tentative     in a sequence, with --all: a line that is cluttered, short, or new among known edges,
+                until three frames agree, and more than chance would make them
 Only ok has a depth. Where several apply, the first that makes the depth worthless is reported.";
 
 const POSTS: &str = "\

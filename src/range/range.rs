@@ -227,6 +227,11 @@ impl<S: Scalar> Range<S> {
         Self { line_id: Some(line_id), frames, status, ..self }
     }
 
+    /// The same where nothing but this frame shows the edge, and that badly.
+    pub(crate) fn tentative(self) -> Self {
+        Self { status: self.status.unless(Objection::FewFrames, true), ..self }
+    }
+
     /// Whether the line has points on so few of the frame's rows that other things around it count.
     pub(crate) fn is_short_part_of(&self, readout: &Readout) -> bool {
         self.points < readout.rows() / SHORT_PART

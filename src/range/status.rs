@@ -23,7 +23,8 @@ pub enum RangeStatus {
     Leaning,
     /// Several frames show the edge where a static one cannot be.
     Moving,
-    /// In a sequence: the line alone would be refused as cluttered or short, and too few frames agree yet.
+    /// In a sequence: the line alone would be refused as cluttered or short, or is new where other edges are known, and
+    /// too few frames agree yet.
     Tentative,
     /// No straight edge fits: a part departs by more than
     /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the

@@ -7,7 +7,7 @@ use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::time_shift::{TimeShift, Vote};
-use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX};
+use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX, TELLING_FRAMES};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
@@ -287,7 +287,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let Some(landmark) = self.landmarks.around(columns_px).find(has_line) else {
             return self.begin(setup, motion, line, blend);
         };
-        let is_unsure = blend.is_whole && landmark.frames == 2 && unsure_interval_s.is_some();
+        let time_is_unsure = blend.is_whole && landmark.frames == 2 && unsure_interval_s.is_some();
         let range = if blend.is_whole || is_repeated {
             Range::remembered(setup, motion, line, &landmark.state)
         } else {
@@ -297,7 +297,9 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             };
             unsure.map_or(range, anew)
         };
-        landmark.name(range, most_chance, is_unsure)
+        // Where the edges of a scene are known, what is new among them is a chance line more often than an edge.
+        let is_new = self.interval_is_shown && landmark.frames < TELLING_FRAMES;
+        landmark.name(range, most_chance, time_is_unsure || is_new)
     }
 
     /// The columns of a line, and which of its samples lie so near to a known edge at another depth that the two blend:
@@ -357,7 +359,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let Some(state) = state.filter(|_| may_begin(range.status) && has_depth) else { return range };
         // What comes into view beside an edge is often half hidden by it, and would start with a wrong column.
         if blend.is_whole {
-            return range;
+            return range.tentative();
         }
         let id = self.next_id;
         let Some(observation) = LineObservation::new(setup, motion, &state.line3, line) else { return range };
@@ -373,7 +375,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             return range;
         }
         self.next_id = self.next_id.wrapping_add(1);
-        if is_informative(range.status) { range.named(id, 1, false, is_weak) } else { range }
+        let is_tentative = is_weak || self.interval_is_shown;
+        if is_informative(range.status) { range.named(id, 1, false, is_tentative) } else { range }
     }
 }
 
