@@ -148,7 +148,6 @@ impl Step<'_> {
         let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
-            of_noise_q8,
             sigma_q16: sigma_q16(of_noise_q8, model.noise_q8, per_contrast),
             width_q12: template.width_q12(widening, template.per_width(norms), per_contrast),
             residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),

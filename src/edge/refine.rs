@@ -82,7 +82,7 @@ impl EdgeModel {
         drawn_q16: u32,
         around: Neighbours,
     ) -> Option<LocatedPoint> {
-        let bounds_q8 = self.bounds_q8(expected_q16, &around);
+        let bounds_q8 = around.bounds_q8();
         if !self.knows(row, expected_q16, bounds_q8) {
             return None;
         }
