@@ -50,16 +50,16 @@ impl Sums {
 }
 
 impl EdgeModel {
-    /// Column and width of the edge near the expected column, as [`EdgeModel::fit`] finds them in a row of grey bytes.
+    /// Column and width of the edge near the expected column, as [`EdgeModel::fit_in_window`] finds them in a row of grey bytes.
     /// What remains of the row is not measured: so no norms are needed but what the flank's own pixels sum up.
     #[inline(never)]
     pub(super) fn quick_fit<P: Pixels>(
         &self,
         row: PixelRow<'_, P>,
-        expected_q16: i32,
+        column_q8: i32,
         bounds_q8: (i32, i32),
     ) -> Option<Fit> {
-        let (column_q8, template) = (expected_q16 >> 8, self.template());
+        let template = self.template();
         if !self.is_alone(column_q8, bounds_q8, row.columns()) {
             return None;
         }
@@ -202,7 +202,7 @@ mod tests {
                         assert!(model.is_textured());
                     }
                     let from_q16 = column_q16 + 3000;
-                    let whole = model.fit(row, from_q16, around.bounds_q8()).expect("the edge");
+                    let whole = model.fit_in_window(row, from_q16 >> 8, around.bounds_q8()).expect("the edge");
                     let quick = quick(&model, row, from_q16, around);
                     let off_q16 = whole.column_q16.abs_diff(quick.column_q16);
                     let of = format_args!("{apart_px} px, {off_px} px, textured {is_textured}");
@@ -217,6 +217,6 @@ mod tests {
     }
 
     fn quick(model: &EdgeModel, row: PixelRow<'_, &[u8]>, from_q16: i32, around: Neighbours) -> Fit {
-        model.quick_fit(row, from_q16, around.bounds_q8()).expect("the edge")
+        model.quick_fit(row, from_q16 >> 8, around.bounds_q8()).expect("the edge")
     }
 }

@@ -98,6 +98,9 @@ impl Untracked {
     /// The neighbours of the edge where it has moved to another column, if these are the others.
     #[inline(always)]
     pub(crate) fn among(self, around: Neighbours, column_q16: i32) -> Neighbours {
+        if self == Self::NONE {
+            return around;
+        }
         let [left_q16, right_q16] =
             self.away_q2.map(|away_q2| if away_q2 == u8::MAX { 1 << 30 } else { i32::from(away_q2) << 14 });
         around.or_nearer(Neighbours {

@@ -330,6 +330,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
     /// confirmed line does not take its points. A point without a line starts one. From left to right, whatever their
     /// polarity: a full table then holds edges side by side, which tell each other's plateaus.
+    #[inline(never)] // what it needs leaves the stack before lines are ended and stitched
     fn match_points(
         &mut self,
         limits: &Limits,
