@@ -108,8 +108,13 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let (at, time_ns) = match &mut self.frame {
             Frame::OfPoints(last) if last.row == point.row && !last.complete => {
                 let EdgePoint { row, column_q16, .. } = point;
-                let Err(at) = self.row.binary_search_by_key(&column_q16, |other| other.column_q16) else {
-                    return Err(EdgeError::Duplicate { row, column_q16 });
+                let at = match self.row.last() {
+                    // Most come in the order of their columns.
+                    Some(before) if before.column_q16 < column_q16 => self.row.len(),
+                    _ => match self.row.binary_search_by_key(&column_q16, |other| other.column_q16) {
+                        Ok(_) => return Err(EdgeError::Duplicate { row, column_q16 }),
+                        Err(at) => at,
+                    },
                 };
                 let was_irregular = last.clock.is_irregular;
                 let time_ns = last.clock.time_ns(setup, row, point.time_ns)?;
@@ -232,8 +237,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
                 last.map_or(i64::MIN, |last| last.time_ns)
             }
         };
-        let expected_ns = setup.readout().row_time_ns(row);
-        let clock = last.map_or_else(|| RowClock::new(setup, row, expected_ns), |last| last.clock);
+        let begin = || RowClock::new(setup, row, setup.readout().row_time_ns(row));
+        let clock = last.map_or_else(begin, |last| last.clock);
         self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false, clock });
         self.complete_row(setup)
     }

@@ -38,24 +38,24 @@ impl Contrast {
 }
 
 impl EdgeModel {
-    /// Fits column, width and levels of the edge near the expected column.
-    pub(super) fn fit<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
-        let (column_q8, template) = (expected_q16 >> 8, self.template());
-        match WholeWindow::new(&row, column_q8, template, bounds_q8).filter(|_| !self.is_textured()) {
-            Some(window) => {
-                let own_q8 = window.sums().levels_q8(template);
-                let (off_q8, contrast) = self.against_means(row.kind(), own_q8)?;
-                let moments = window.moments(own_q8);
-                let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
-                Step { template, norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
-            }
-            None => self.fit_in_window(row, column_q8, bounds_q8),
-        }
+    /// Fits column, width and levels of an edge whose window is whole.
+    pub(super) fn fit_whole(&self, kind: usize, window: &WholeWindow<'_>) -> Option<Fit> {
+        let template = self.template();
+        let own_q8 = window.sums().levels_q8(template);
+        let (off_q8, contrast) = self.against_means(kind, own_q8)?;
+        let moments = window.moments(own_q8);
+        let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
+        Step { template, norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
     }
 
     /// Likewise where a part of the window may be cut off, the light is no bytes, or there is texture beside the edge.
     #[inline(never)]
-    fn fit_in_window<P: Pixels>(&self, row: PixelRow<'_, P>, column_q8: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
+    pub(super) fn fit_in_window<P: Pixels>(
+        &self,
+        row: PixelRow<'_, P>,
+        column_q8: i32,
+        bounds_q8: (i32, i32),
+    ) -> Option<Fit> {
         if !self.is_alone(column_q8, bounds_q8, row.columns()) {
             return None;
         }
@@ -148,7 +148,6 @@ impl Step<'_> {
         let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
-            of_noise_q8,
             sigma_q16: sigma_q16(of_noise_q8, model.noise_q8, per_contrast),
             width_q12: template.width_q12(widening, template.per_width(norms), per_contrast),
             residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),

@@ -32,4 +32,4 @@ pub use scan::Scanner;
 pub use scanned_point::ScannedPoint;
 pub(crate) use spread_function::SpreadFunction;
 pub(crate) use tuning::PLATEAU;
-pub(crate) use window::Neighbours;
+pub(crate) use window::{Neighbours, Untracked};

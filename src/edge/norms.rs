@@ -95,7 +95,7 @@ pub(super) const LEAST_SLOPE_SLOPE: u32 = 1 << 10;
 /// Sigma of the shift in units of b per contrast for a unit of noise, from the noise on the flank and on the plateaus,
 /// whose levels shift the edge when they are wrong: with S the slope and n pixels on a plateau, the root of 1/ΣS² +
 /// (ΣS/ΣS²)²/4 (1/n + 1/n').
-const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
+pub(super) const fn sigma_q8(slope: u32, slope_slope: u32, of_levels_q12: u32) -> u16 {
     let of_flank_q15 = ratio(1 << 31, slope_slope);
     let half_q8 = ratio(slope << 15, slope_slope);
     let half_q8 = if half_q8 < 511 { half_q8 } else { 511 };
@@ -119,7 +119,7 @@ pub(super) const fn reciprocal(squares: u32) -> Factor {
 }
 
 /// A quotient by what is never zero.
-const fn ratio(numerator: u32, denominator: u32) -> u32 {
+pub(super) const fn ratio(numerator: u32, denominator: u32) -> u32 {
     match numerator.checked_div(denominator) {
         Some(quotient) => quotient,
         None => u32::MAX,

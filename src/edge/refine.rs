@@ -11,6 +11,7 @@ use super::scan::Scanner;
 use super::tuning::{
     LEAST_APART_Q16, LONG_BLUR_Q8, MOST_CORRECTIONS, MOST_DRAWN_Q16, MOST_RESIDUAL, MOST_SETTLING_STEPS, SURE_SIGMA_Q16,
 };
+use super::whole_window::WholeWindow;
 use super::window::Neighbours;
 use crate::format::Pixels;
 
@@ -34,7 +35,7 @@ impl EdgeModel {
         let mut model = Self::new(row, edge, bounds_q8, noise_q8)?;
         let mut column_q16 = edge.column_q16;
         for _ in 0..MOST_SETTLING_STEPS {
-            let fit = model.fit(row, column_q16, bounds_q8)?;
+            let fit = model.fit(row, column_q16, bounds_q8, false)?;
             let (blur_q12, blur_q16) = (model.blur_q12, i32::from(model.blur_q12) << 4);
             let shift_q16 = fit.column_q16.saturating_sub(column_q16);
             column_q16 += shift_q16.clamp(-blur_q16, blur_q16);
@@ -82,7 +83,7 @@ impl EdgeModel {
         drawn_q16: u32,
         around: Neighbours,
     ) -> Option<LocatedPoint> {
-        let bounds_q8 = self.bounds_q8(expected_q16, &around);
+        let bounds_q8 = around.bounds_q8();
         if !self.knows(row, expected_q16, bounds_q8) {
             return None;
         }
@@ -111,18 +112,31 @@ impl EdgeModel {
         self.noise_q16 * MOST_RESIDUAL + (1 << 18)
     }
 
+    /// Fits column, width and levels of the edge near the expected column. Where its window may be cut off, or there is
+    /// texture beside it, what remains of the row is measured only if that is asked for.
+    fn fit<P: Pixels>(
+        &self,
+        row: PixelRow<'_, P>,
+        expected_q16: i32,
+        bounds_q8: (i32, i32),
+        is_measured: bool,
+    ) -> Option<Fit> {
+        let column_q8 = expected_q16 >> 8;
+        match WholeWindow::new(&row, column_q8, self.template(), bounds_q8).filter(|_| !self.is_textured()) {
+            Some(window) => self.fit_whole(row.kind(), &window),
+            None if is_measured || !row.is_of_light_bytes() => self.fit_in_window(row, column_q8, bounds_q8),
+            None => self.quick_fit(row, column_q8, bounds_q8),
+        }
+    }
+
     /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it
     /// once went astray: another step where the one before was large.
     fn approach<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
         let blur_q16 = self.blur_q16() as i32;
         let (mut from_q16, mut corrections) = (expected_q16, 0);
-        let looks_closely = self.learns_next() || !row.is_of_light_bytes();
+        let is_measured = self.learns_next();
         loop {
-            let fit = if looks_closely {
-                self.fit(row, from_q16, bounds_q8)?
-            } else {
-                self.quick_fit(row, from_q16, bounds_q8)?
-            };
+            let fit = self.fit(row, from_q16, bounds_q8, is_measured)?;
             let shift_q16 = fit.column_q16.saturating_sub(from_q16);
             let is_there = shift_q16.unsigned_abs() <= self.one_step_q16();
             if is_there || corrections == MOST_CORRECTIONS {

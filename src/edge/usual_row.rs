@@ -80,7 +80,7 @@ impl EdgeModel {
         around: &Neighbours,
     ) -> Option<UsualStep<'p>> {
         let template = self.template();
-        let window = WholeWindow::new(row, from_q16 >> 8, template, self.bounds_q8(from_q16, around))?;
+        let window = WholeWindow::new(row, from_q16 >> 8, template, around.bounds_q8())?;
         let sums = window.sums();
         let own_q8 = sums.levels_q8(template);
         let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(0), own_q8);
@@ -107,8 +107,7 @@ impl EdgeModel {
         if residual_q16 > self.most_residual_q16() {
             return None;
         }
-        let of_noise_q8 = window.phase.norms.sigma_q8;
-        self.learn(0, &Fit { column_q16, sigma_q16, of_noise_q8, width_q12, residual_q16, off_q8 });
+        self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8 });
         Some(())
     }
 }

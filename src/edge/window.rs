@@ -77,6 +77,39 @@ impl Neighbours {
     }
 }
 
+/// How far away edges are that no line has, left and right, in quarters of a pixel: they end the plateaus of a line as
+/// its neighbours with a line do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Untracked {
+    away_q2: [u8; 2],
+}
+
+impl Untracked {
+    /// None within 64 px.
+    pub(crate) const NONE: Self = Self { away_q2: [u8::MAX; 2] };
+
+    /// As these are beside an edge at this column.
+    pub(crate) fn of(around: Neighbours, column_q16: i32) -> Self {
+        let away_q2 = |other_q16: i32| (other_q16.abs_diff(column_q16) >> 14).min(u8::MAX.into()) as u8;
+        Self { away_q2: [away_q2(around.left_q16), away_q2(around.right_q16)] }
+    }
+
+    /// The neighbours of the edge where it has moved to another column, if these are the others.
+    #[inline(always)]
+    pub(crate) fn among(self, around: Neighbours, column_q16: i32) -> Neighbours {
+        if self == Self::NONE {
+            return around;
+        }
+        let [left_q16, right_q16] =
+            self.away_q2.map(|away_q2| if away_q2 == u8::MAX { 1 << 30 } else { i32::from(away_q2) << 14 });
+        around.or_nearer(Neighbours {
+            left_q16: column_q16.saturating_sub(left_q16),
+            right_q16: column_q16.saturating_add(right_q16),
+        })
+    }
+}
+
 /// The pixels around an edge: its flank with what it should show, and a plateau on either side.
 pub(super) struct Window<'p, P> {
     row: PixelRow<'p, P>,

@@ -57,13 +57,22 @@ impl Knot {
     /// Adds the sums of another knot. Only times can saturate, and not those of points that a [`Ranger`](crate::Ranger)
     /// has checked.
     pub(crate) fn add(&mut self, other: &Self) {
-        self.columns_q16 = self.columns_q16.saturating_add(other.columns_q16);
-        self.times_ns = self.times_ns.saturating_add(other.times_ns);
-        self.variances_q32 = self.variances_q32.saturating_add(other.variances_q32);
-        self.rows = self.rows.saturating_add(other.rows);
-        self.widths_q8 = self.widths_q8.saturating_add(other.widths_q8);
-        self.points = self.points.saturating_add(other.points);
-        self.widths = self.widths.saturating_add(other.widths);
+        *self = self.and(other);
+    }
+
+    /// The sums of both, likewise.
+    // Inlined, so that it is written where it is to be and copied nowhere.
+    #[inline(always)]
+    pub(super) fn and(&self, other: &Self) -> Self {
+        Self {
+            columns_q16: self.columns_q16.wrapping_add(other.columns_q16),
+            times_ns: self.times_ns.saturating_add(other.times_ns),
+            variances_q32: self.variances_q32.wrapping_add(other.variances_q32),
+            rows: self.rows.wrapping_add(other.rows),
+            widths_q8: self.widths_q8.wrapping_add(other.widths_q8),
+            points: self.points.saturating_add(other.points),
+            widths: self.widths.saturating_add(other.widths),
+        }
     }
 }
 

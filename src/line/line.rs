@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::knot::Knot;
 use super::prominence::Prominence;
-use crate::edge::EdgePoint;
+use crate::edge::{EdgePoint, Untracked};
 use crate::setup::Readout;
 
 /// A point that a [`Line`] has refused because its row or its time does not follow the last one.
@@ -44,6 +44,8 @@ pub struct Line<const KNOTS: usize> {
     /// It has been beside texture: its points are stated to be as noisy as they scatter.
     // Here, where it takes no room.
     pub(super) is_beside_texture: bool,
+    /// While it is under way: how far away an edge without a line is on either side.
+    pub(super) untracked: Untracked,
     /// Rows per knot: 2 to this power.
     pub(crate) span_log2: u8,
 }
@@ -63,6 +65,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
             prominence: Prominence::default(),
             of_pixels: false,
             is_beside_texture: false,
+            untracked: Untracked::NONE,
             span_log2: 0,
         };
         // There is room.
@@ -258,13 +261,10 @@ impl<const KNOTS: usize> Line<KNOTS> {
     fn merge(&mut self) {
         let pairs = self.knots.len().div_ceil(2);
         for pair in 0..pairs {
-            let second = self.knots.get(2 * pair + 1).copied();
-            let first = self.knots.get_mut(2 * pair);
-            let sum = first.map(|first| {
-                second.iter().for_each(|second| first.add(second));
-                *first
-            });
-            if let (Some(place), Some(sum)) = (self.knots.get_mut(pair), sum) {
+            let first = self.knots.get(2 * pair).unwrap_or(&Knot::EMPTY);
+            let second = self.knots.get(2 * pair + 1).unwrap_or(&Knot::EMPTY);
+            let sum = first.and(second);
+            if let Some(place) = self.knots.get_mut(pair) {
                 *place = sum;
             }
         }

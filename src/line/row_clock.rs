@@ -23,10 +23,18 @@ pub(crate) struct RowClock {
 const MOST_JITTER_NS: i64 = 100_000;
 
 /// A readout may be off by one part in so many.
-const READOUT_PART: i64 = 20;
+const READOUT_PART: u32 = 20;
 
 /// Stamps that fall behind by so large a part of the frame, in percent, are no ticks or blocks, but something else.
 const MOST_LAG_PERCENT: i64 = 40;
+
+/// A part of a time: in 32 bits where that is less than four seconds, since a longer quotient costs ten times as much.
+fn part_of(time_ns: i64, parts: u32) -> i64 {
+    match u32::try_from(time_ns) {
+        Ok(short_ns) => short_ns.checked_div(parts).unwrap_or(0).into(),
+        Err(_) => time_ns.checked_div(parts.into()).unwrap_or(0),
+    }
+}
 
 impl RowClock {
     /// With the stamp of the first row.
@@ -59,12 +67,12 @@ impl RowClock {
         let expected_ns = setup.readout().row_time_ns(row);
         let last = setup.readout().row_after(setup.readout().rows());
         let frame_ns = setup.readout().row_time_ns(last);
-        let margin_ns = frame_ns / READOUT_PART + exposure_ns(setup) + MOST_JITTER_NS;
-        let most_lag_ns = margin_ns.max(frame_ns / 100 * MOST_LAG_PERCENT);
+        let margin_ns = part_of(frame_ns, READOUT_PART) + exposure_ns(setup) + MOST_JITTER_NS;
+        let most_lag_ns = margin_ns.max(part_of(frame_ns, 100) * MOST_LAG_PERCENT);
         let usual_ns = expected_ns.saturating_add(self.first_deviation_ns);
         let deviation_ns = stamp_ns.saturating_sub(usual_ns).saturating_abs();
         let elapsed_ns = expected_ns.saturating_sub(self.first_ns);
-        let most_ns = MOST_JITTER_NS + elapsed_ns / READOUT_PART;
+        let most_ns = MOST_JITTER_NS + part_of(elapsed_ns, READOUT_PART);
         let is_irregular = self.is_irregular || deviation_ns > most_ns;
         // Ticks and late rows may reach beyond the frame.
         let beside_ns = if is_irregular { most_lag_ns } else { margin_ns };

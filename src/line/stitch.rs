@@ -1,6 +1,7 @@
 //! A hidden line goes on where another one begins.
 
 use super::table::Table;
+use super::track::State;
 use crate::setup::Limits;
 
 /// Stitches confirmed lines that `row` has shown and that have just started to the hidden ones that they continue.
@@ -9,6 +10,9 @@ pub(super) fn stitch_all<const LINES: usize, const KNOTS: usize>(
     limits: &Limits,
     row: u16,
 ) {
+    if table.tracks_under_way().all(|track| track.state != State::Hidden) {
+        return;
+    }
     let mut index = 0;
     while let Some(place) = table.under_way().get(index).copied() {
         let older = continued_by(table, limits, row, place);

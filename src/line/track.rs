@@ -8,7 +8,7 @@ use super::tuning::{
     GATE_POINTS, LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
     NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
-use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow};
+use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -62,7 +62,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let rows = row.abs_diff(self.line.last().row);
         let gate_q16 = match rows {
             0 => 0,
-            1 => u32::from(self.filter.gate_q8) << 8,
+            1 => self.next_gate_q16(),
             _ => self.gate_after(rows, self.memory(), limits),
         };
         Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
@@ -176,6 +176,33 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.filter.column_after(1)
     }
 
+    /// How far off there.
+    pub(super) fn next_gate_q16(&self) -> u32 {
+        u32::from(self.filter.gate_q8) << 8
+    }
+
+    /// Whether a point of its kind in the next row, at the right place, would be its own.
+    pub(super) fn may_take_next(&self, row: u16, point: &EdgePoint) -> bool {
+        let (first, last) = (self.line.first(), self.line.last());
+        let goes_on = row.abs_diff(last.row) == 1 && (row > last.row) == (last.row > first.row);
+        self.state == State::Confirmed
+            && goes_on
+            && point.time_ns >= last.time_ns
+            && point.polarity == first.polarity
+            && !self.line.is_beside_texture
+    }
+
+    /// Takes such a point.
+    #[inline(always)]
+    pub(super) fn take_next_point(&mut self, point: &EdgePoint, limits: &Limits) {
+        let predicted_q16 = self.next_column_q16();
+        self.line.push_next(point.row, point.time_ns, point.column_q16, point.sigma_q16, point.width_q8);
+        let memory = self.memory();
+        self.filter.follow_next(point.column_q16, predicted_q16, memory);
+        self.missed_rows = 0;
+        self.renew_gate(memory, limits);
+    }
+
     /// Takes the edge's point in a row that shows it as the rows before did, alone between its neighbours. Else the row
     /// has to be looked at closely.
     #[inline(never)]
@@ -186,12 +213,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: &Neighbours,
         limits: &Limits,
     ) -> bool {
-        let (column_q16, gate_q16) = (self.next_column_q16(), u32::from(self.filter.gate_q8) << 8);
+        let (column_q16, gate_q16) = (self.next_column_q16(), self.next_gate_q16());
+        let around = self.line.untracked.among(*around, column_q16);
         let Some(model) = &mut self.model else { return false };
         if at.row.abs_diff(self.line.last.row) != 1 || self.line.is_beside_texture {
             return false;
         }
-        let Some(found) = model.locate_usual(row, column_q16, gate_q16, around) else { return false };
+        let Some(found) = model.locate_usual(row, column_q16, gate_q16, &around) else { return false };
         self.take_next(&found, column_q16, at, limits);
         true
     }
@@ -227,6 +255,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         limits: &Limits,
     ) -> bool {
         let Some(model) = &mut self.model else { return false };
+        let around = self.line.untracked.among(around, prediction.column_q16);
         let Some(found) = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around) else {
             return false;
         };
@@ -264,9 +293,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.around.look(&mut self.line.prominence, row, &self.line.last);
     }
 
-    /// Gives it a model of its edge, if there is one.
-    pub(super) fn set_model(&mut self, model: Option<EdgeModel>) {
-        self.model = model;
+    /// Gives it a model of its edge, if there is one, and such edges beside it.
+    pub(super) fn set_model(&mut self, model: Option<EdgeModel>, untracked: Untracked) {
+        (self.model, self.line.untracked) = (model, untracked);
         self.line.mark_as_of_pixels();
     }
 

@@ -9,12 +9,12 @@ use super::explained::{Explained, Flanks, flank, is_alone};
 use super::jump::Jump;
 use super::line::Line;
 use super::refinement::Refinement;
-use super::steady::locate_steady;
+use super::steady::{locate_steady, take_steady};
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
 use super::tuning::{HIDDEN_ROWS, LOOK_ROWS, YOUNG_POINTS, models_a_row};
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity, Untracked};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
 
@@ -47,6 +47,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Returns a row at which all lines jump, if that is seen now.
     #[must_use]
     pub(crate) fn row(&mut self, limits: &Limits, columns: u16, row: u16, points: &[EdgePoint]) -> Option<u16> {
+        if take_steady(&mut self.table, limits, row, points) {
+            return self.finish_row(limits, columns, row);
+        }
         let mut candidates = Candidates::new();
         if !points.is_empty() {
             self.expect(limits, row, &mut candidates);
@@ -70,6 +73,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         if !points.is_empty() {
             self.match_points(limits, candidates, points, &mut Refinement::new(refine, row, points.len(), candidates));
         }
+        self.finish_row(limits, columns, row)
+    }
+
+    /// Ends lines and stitches them after the lines have taken the points of a row; a row at which all of them jump.
+    fn finish_row(&mut self, limits: &Limits, columns: u16, row: u16) -> Option<u16> {
         if !self.end_lines(limits, row) {
             return None;
         }
@@ -196,6 +204,11 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         asking.filter(|line| *line > last).min()
     }
 
+    #[cfg(test)]
+    pub(super) const fn table(&self) -> &Table<LINES, KNOTS> {
+        &self.table
+    }
+
     /// How many lines have a model.
     #[cfg(test)]
     pub(crate) fn models(&self) -> usize {
@@ -213,10 +226,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let point = *self.table.track(place)?.line.last();
         let of_row = self.table.tracks_under_way().filter(|track| track.line.last().row == point.row);
         let lines = Neighbours::among(of_row.map(|track| track.line.last()), &point);
-        let strangers = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
-        let model = EdgeModel::settled(pixels, &point, lines.or_nearer(strangers), noise_q8);
-        let model = model.map(|model| model.with_strangers(point.column_q16, strangers));
-        self.table.track_mut(place)?.set_model(model);
+        let untracked = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
+        let model = EdgeModel::settled(pixels, &point, lines.or_nearer(untracked), noise_q8);
+        self.table.track_mut(place)?.set_model(model, Untracked::of(untracked, point.column_q16));
         Some(())
     }
 
@@ -318,6 +330,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
     /// confirmed line does not take its points. A point without a line starts one. From left to right, whatever their
     /// polarity: a full table then holds edges side by side, which tell each other's plateaus.
+    #[inline(never)] // what it needs leaves the stack before lines are ended and stitched
     fn match_points(
         &mut self,
         limits: &Limits,
