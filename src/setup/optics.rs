@@ -18,13 +18,14 @@ pub(super) trait Optics<S> {
     /// From the recorded to the ideal point; `None` where the model folds over.
     fn undistorted(&self, recorded: [S; 2]) -> Option<Mapped<Whole<S>>>;
 
-    /// See [`LensSpans::new`].
-    fn spans(&self, largest: [S; 2]) -> LensSpans<'_, S>
-    where
-        S: Scalar;
-
-    /// See [`LensSpans::span`].
-    fn span(&self, spans: &mut LensSpans<'_, S>, stretch: [[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>>
+    /// The rays of a stretch of pixels, as [`LensSpans::span`] has them; `spans` has seen those before, if there were any.
+    fn span<'d>(
+        &'d self,
+        spans: &mut Option<LensSpans<'d, S>>,
+        largest: [S; 2],
+        stretch: &[[S; 2]; 2],
+        per_fx: S,
+    ) -> Option<RaySpan<S::Near>>
     where
         S: Scalar;
 }
@@ -38,12 +39,17 @@ impl<S: Scalar> Optics<S> for Distortion<S> {
         self.undistort(recorded)
     }
 
-    fn spans(&self, largest: [S; 2]) -> LensSpans<'_, S> {
-        LensSpans::new(self, largest)
-    }
-
-    fn span(&self, spans: &mut LensSpans<'_, S>, stretch: [[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
-        spans.span(stretch, per_fx)
+    fn span<'d>(
+        &'d self,
+        spans: &mut Option<LensSpans<'d, S>>,
+        largest: [S; 2],
+        stretch: &[[S; 2]; 2],
+        per_fx: S,
+    ) -> Option<RaySpan<S::Near>> {
+        if spans.is_none() {
+            LensSpans::begin(spans, self, largest);
+        }
+        spans.as_mut()?.span(stretch, per_fx)
     }
 }
 
