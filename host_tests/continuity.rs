@@ -149,6 +149,37 @@ fn a_frame_that_came_twice_teaches_nothing() {
     }
 }
 
+/// Where more is lost than one time tells, all is forgotten, or no distance is told that pretends to be right.
+#[test]
+fn several_lost_frames_are_never_passed_over() {
+    for lost in [2, 3, 5, 8, 13] {
+        for velocity in [SIDEWAYS, OBLIQUE] {
+            let mut all = Vec::new();
+            for number in 0..SEEDS {
+                let told = drive(velocity, &later_from(5, 10 * lost), number);
+                assert_ne!(told[5].continuity, Continuity::Steady, "{lost}, {velocity:?}, {number}");
+                all.extend(told);
+            }
+            assert_honest(&format!("{lost} lost, {velocity:?}"), &all);
+        }
+    }
+}
+
+/// A row of posts of which each comes to stand where another one stood when as many frames are lost: nothing shows that
+/// they were. What is told of one is then true of the other.
+#[test]
+fn lost_frames_among_posts_alike_do_no_harm() {
+    let journey = Journey::vga();
+    let posts: Vec<_> = (0..8).map(|k| Post::at(-1.0 + 5.0 * 1.5 * journey.interval_s * f64::from(k), 3.0)).collect();
+    let mut all = Vec::new();
+    for number in 0..SEEDS {
+        let told = drive_past(&posts, tilt_of(TENTH_DEGREE), SIDEWAYS, &later_from(5, 50), number);
+        println!("{:?}", told[5].continuity);
+        all.extend(told);
+    }
+    assert_honest("among posts alike", &all);
+}
+
 /// In two frames time and depth are the same: edges that no more have shown are forgotten.
 #[test]
 fn what_two_frames_have_shown_does_not_tell_the_time() {

@@ -25,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 184 bytes.
+/// *Memory*: at most `LINES` × (180 + 40 `KNOTS`) + 24 `POINTS` + 188 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -181,15 +181,17 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let refine = |point: &EdgePoint, looks: bool| refined(points, point, looks.then_some((pixel_row, noise_q8)));
         let columns = setup.camera().intrinsics().columns;
         let jump = tracker.take(setup.limits(), columns, row, &candidates, points, &refine);
-        points.clear();
         if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
+        if jump.is_none() {
+            tracker.look_at(row, pixel_row, noise_q8, points);
+        }
+        points.clear();
         if let Some(row) = jump {
             self.tear();
             return Err(RowError::Jump { row });
         }
-        tracker.look_at(row, pixel_row, noise_q8);
         Ok(())
     }
 

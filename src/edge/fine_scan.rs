@@ -5,12 +5,15 @@ use core::ops::Range;
 use super::noise::WINDOW;
 use super::pixel_row::grey;
 use super::scanned_point::ScannedPoint;
+use super::tuning::ABRUPT;
 use crate::format::Pixels;
 
 /// Differences that are reckoned together.
 const SLIDE: usize = 16;
 /// Sum of squares of the offsets in the sliding difference, per unit of its area: its own variance as a blur, times 2.
 const OWN_VARIANCE_Q1: u32 = 5;
+/// One sigma of what is only known to a pixel, √(1/12), in 1/65536 px.
+const PIXEL_SIGMA_Q16: u32 = 18_919;
 
 /// Sums over a run of differences of one sign, in 32 bits up to [`Run::LONGEST`].
 #[derive(Clone, Copy)]
@@ -63,7 +66,21 @@ impl Run {
         self.valley * 2 < self.peak && size > self.valley + least.max(self.peak / 4)
     }
 
-    fn edge(&self, noise_q8: u32) -> Option<ScannedPoint> {
+    /// Whether all of a step lies between two pixels. Light is never so sharp: each pixel has been made black or white,
+    /// and where in the pixel the edge was has been lost. Where sharpening has done it, the pixels beside overshoot.
+    fn is_abrupt(&self, pixels: &impl Pixels, off_q16: u32) -> bool {
+        let boundary = self.start + ((off_q16 + (1 << 15)) >> 16) as usize;
+        let mut buffer = [0; 4];
+        let around = grey(pixels, boundary - 2..boundary + 2, &mut buffer).first_chunk().copied();
+        let [before, left, right, after] = around.unwrap_or([0; 4]);
+        let [step, beside] = [left.abs_diff(right), before.abs_diff(left).saturating_add(right.abs_diff(after))];
+        let (most, parts) = ABRUPT;
+        // The peak compares sums of four pixels.
+        let is_whole = parts * WINDOW as u32 * u32::from(step) >= most * self.peak.unsigned_abs();
+        is_whole && (parts - most) * u32::from(step) >= most * u32::from(beside)
+    }
+
+    fn edge(&self, pixels: &impl Pixels, noise_q8: u32) -> Option<ScannedPoint> {
         if self.length > Self::LONGEST {
             return None;
         }
@@ -78,9 +95,10 @@ impl Run {
         let blur_q16 = variance_q16.saturating_sub(OWN_VARIANCE_Q1 << 15).max(1 << 13);
         let root_q4 = (self.length << 8).isqrt();
         let sigma_q16 = ((noise_q8 << 4).saturating_mul(root_q4)).checked_div(contrast.max(1)).unwrap_or(u32::MAX);
+        let least_q16 = if self.is_abrupt(pixels, off_q16) { PIXEL_SIGMA_Q16 } else { 1 };
         Some(ScannedPoint {
             column_q16: i32::try_from(column_q16).ok()?,
-            sigma_q16: sigma_q16.max(1),
+            sigma_q16: sigma_q16.max(least_q16),
             width_q8: u16::try_from(blur_q16.isqrt()).ok()?,
             contrast: i16::try_from(contrast as i32 * self.sign).ok()?,
         })
@@ -125,7 +143,7 @@ pub(super) fn fine(
     let mut followed = end;
     let mut close = |run: &Run| {
         followed = followed.max(run.end());
-        if let Some(edge) = run.edge(noise_q8).filter(|_| is_whole(run)) {
+        if let Some(edge) = run.edge(pixels, noise_q8).filter(|_| is_whole(run)) {
             found(edge);
         }
     };

@@ -25,14 +25,14 @@ struct Step<'t> {
 }
 
 /// Of a row.
-struct Contrast {
-    is_falling: bool,
+pub(super) struct Contrast {
+    pub(super) is_falling: bool,
     /// b over its size, in 1/2¹⁸ px and grey level.
-    reciprocal: Factor,
+    pub(super) reciprocal: Factor,
 }
 
 impl Contrast {
-    fn of(contrast_q8: i32, template: &Template) -> Option<Self> {
+    pub(super) fn of(contrast_q8: i32, template: &Template) -> Option<Self> {
         Some(Self { is_falling: contrast_q8 < 0, reciprocal: template.per_contrast(contrast_q8)? })
     }
 }
@@ -74,7 +74,7 @@ impl EdgeModel {
     }
 
     /// Whether neither the border nor a neighbour's blur lies within the edge's own blur: its column would be biased.
-    fn is_alone(&self, column_q8: i32, (left_q8, right_q8): (i32, i32), columns: i32) -> bool {
+    pub(super) fn is_alone(&self, column_q8: i32, (left_q8, right_q8): (i32, i32), columns: i32) -> bool {
         let clear_q8 = 2 * i32::from(self.blur_q8()) + 256;
         column_q8 - clear_q8 >= left_q8.max(0) && column_q8 + clear_q8 <= right_q8.min((columns - 1) << 8)
     }
@@ -86,7 +86,7 @@ impl EdgeModel {
     /// rows alike: for a line it comes to the same, and each row for itself knows neither lag nor drift, and no bad
     /// start.
     #[inline(always)]
-    fn against_means(&self, kind: usize, own_q8: [i32; 2]) -> Option<([i32; 2], Contrast)> {
+    pub(super) fn against_means(&self, kind: usize, own_q8: [i32; 2]) -> Option<([i32; 2], Contrast)> {
         let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(kind), own_q8);
         let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
         let [left_change_q8, right_change_q8] = off_q8.map(|off_q8| self.departure(off_q8));
@@ -108,7 +108,7 @@ impl EdgeModel {
         let [own_left_q8, own_right_q8] = own_q8;
         let moments = window.moments(own_q8);
         let FreeLevels { off_q8: [free_left_q8, free_right_q8], slope_slope } =
-            window.level_moments(own_q8).free(&moments, norms)?;
+            window.level_moments(own_q8).free(moments.residual_slope, norms.slope_slope)?;
         let [found_left_q8, found_right_q8] = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
         let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
         let [left_off_q8, right_off_q8] = off_q8;
@@ -129,7 +129,7 @@ impl EdgeModel {
 
 /// The contrast of a row, the usual one and what is added to it, if such an edge is of the usual kind: not so much
 /// weaker that it would only add noise, and at most twice as strong.
-fn alike(usual_q8: i32, more_q8: i32) -> Option<i32> {
+pub(super) fn alike(usual_q8: i32, more_q8: i32) -> Option<i32> {
     let contrast_q8 = usual_q8 + more_q8;
     let (size_q8, usual_q8) = if usual_q8 < 0 { (-contrast_q8, -usual_q8) } else { (contrast_q8, usual_q8) };
     (3 * size_q8 >= 2 * usual_q8 && size_q8 <= 2 * usual_q8).then_some(contrast_q8)
@@ -154,6 +154,7 @@ impl Step<'_> {
         let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
+            of_noise_q8,
             sigma_q16: sigma_q16(of_noise_q8, model.noise_q8, per_contrast),
             width_q12: template.width_q12(widening, template.per_width(norms), per_contrast),
             residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),

@@ -1,7 +1,5 @@
 //! [`LevelMoments`]: the levels of an edge from its own flank, where no plateau tells them.
 
-use super::moments::Moments;
-use super::norms::Norms;
 use super::tuning::TEXTURED_PLATEAU;
 use super::weight::Weight;
 
@@ -42,6 +40,18 @@ impl Level {
     }
 }
 
+/// Sums over the pixels of a flank: of residuals, of the right level's share, and of their products with each other and
+/// with the slope.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Shares {
+    pub(super) residual: i32,
+    pub(super) right: i32,
+    pub(super) right_right: i32,
+    pub(super) right_residual: i32,
+    pub(super) slope: i32,
+    pub(super) right_slope: i32,
+}
+
 /// Those of the left and of the right level, and of the two with each other.
 #[derive(Default)]
 pub(super) struct LevelMoments {
@@ -59,6 +69,24 @@ pub(super) struct FreeLevels {
 }
 
 impl LevelMoments {
+    /// From sums over a flank of so many pixels: of residuals, of the right level's share, and of products.
+    pub(super) const fn of_sums(pixels: i32, sums: &Shares) -> Self {
+        let Shares { residual, right, right_right, right_residual, slope, right_slope } = *sums;
+        let left = Level {
+            own: (pixels << 16) - (right << 9) + right_right,
+            residual: (residual << 8) - right_residual,
+            slope: (slope << 8) - right_slope,
+        };
+        let of_right = Level { own: right_right, residual: right_residual, slope: right_slope };
+        Self { left, right: of_right, shared: (right << 8) - right_right }
+    }
+
+    /// What an error of the levels, left and right, by one grey level does to the product of the residuals with the
+    /// slope, in 1/64 grey level.
+    pub(super) const fn slopes(&self) -> [i32; 2] {
+        [self.left.slope, self.right.slope]
+    }
+
     pub(super) fn add(&mut self, residual_q6: i32, weight: &Weight) {
         let (slope, right) = (i32::from(weight.slope), i32::from(weight.step >> 7));
         let left = (1 << 8) - right;
@@ -69,13 +97,13 @@ impl LevelMoments {
 
     /// Leaves it to the edge's own pixels to tell the levels, by orthogonalisation; those to expect, the plateaus',
     /// count as [`TEXTURED_PLATEAU`] pixels each. `None` where too little of the edge is in view.
-    pub(super) fn free(&self, moments: &Moments, norms: &Norms) -> Option<FreeLevels> {
+    pub(super) fn free(&self, residual_slope: i32, slope_slope: i32) -> Option<FreeLevels> {
         let left = self.left.with_plateau();
         let common_q12 = nearest((self.shared >> 8) << 12, left.own >> 8)?;
         let right = self.right.with_plateau().without(&left, common_q12, self.shared);
         // In 1/256 grey level.
         let level = |product: i32, own: i32| nearest((product >> 8).clamp(-(1 << 20), 1 << 20) << 10, own >> 8);
-        let (mut slope_slope, mut residual_slope) = (i64::from(norms.slope_slope), i64::from(moments.residual_slope));
+        let (mut slope_slope, mut residual_slope) = (i64::from(slope_slope), i64::from(residual_slope));
         for one in [left, right] {
             let of_slope_q12 = i64::from(nearest((one.slope >> 8) << 12, one.own >> 8)?);
             slope_slope -= (of_slope_q12 * i64::from(one.slope)) >> 12;

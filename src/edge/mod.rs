@@ -20,6 +20,7 @@ mod window;
 mod whole_window;
 mod model;
 mod fit;
+mod quick_fit;
 mod refine;
 mod usual_row;
 

@@ -8,9 +8,9 @@ use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
     FEW_TEXTURED_ROWS, LEARN_ROWS_LOG2, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, MANY_TEXTURED_ROWS,
-    MEMORY_ROWS_LOG2, MOST_BLUR_Q8, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    MEMORY_ROWS_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
-use super::window::Window;
+use super::window::{Neighbours, Window};
 use crate::format::Pixels;
 
 /// Levels, blur and noise of a tracked edge, running means over its rows.
@@ -36,12 +36,19 @@ pub(crate) struct EdgeModel {
     rows: NonZeroU16,
     /// Rows with texture on either side.
     textured_rows: u16,
+    /// [`Fit::of_noise_q8`] of the row from which the means were taken last.
+    pub(super) of_noise_q8: u16,
+    /// How far away an edge without a line is on either side, in 1/64 px: it ends the plateau.
+    strangers_q6: [u16; 2],
     /// That of the blur.
     class: u8,
     /// Nothing around the edge asks for a closer look than [`EdgeModel::locate_usual`] takes: as it was when the means
     /// were taken last.
     pub(super) is_usual: bool,
 }
+
+/// None near enough to matter.
+const NO_STRANGER: u16 = u16::MAX;
 
 /// Rounding to whole grey levels alone.
 const LEAST_NOISE_Q16: u32 = 65536 / 12;
@@ -53,6 +60,8 @@ const MOST_NOISE_Q16: u32 = 1 << 27;
 pub(super) struct Fit {
     pub(super) column_q16: i32,
     pub(super) sigma_q16: u32,
+    /// For a unit of noise, in units of b per contrast.
+    pub(super) of_noise_q8: u16,
     /// Width of the edge, whatever the lens.
     pub(super) width_q12: i32,
     /// Residual variance of a pixel.
@@ -83,6 +92,8 @@ impl EdgeModel {
             white_q8,
             rows: NonZeroU16::MIN,
             textured_rows: 0,
+            of_noise_q8: u16::MAX,
+            strangers_q6: [NO_STRANGER; 2],
             class: class_of(blur_q12, 0),
             is_usual: false,
         };
@@ -102,6 +113,20 @@ impl EdgeModel {
         *self.levels_q16.get_mut(row.kind())? = own_q8.map(|level_q8| (level_q8.max(0) as u32) << 8);
         self.renew_contrast();
         Some(())
+    }
+
+    /// There are edges without a line beside it: at the column of the edge they are so near.
+    pub(crate) fn with_strangers(self, column_q16: i32, strangers: Neighbours) -> Self {
+        let away_q6 = |other_q16: i32| (other_q16.abs_diff(column_q16) >> 10).min(NO_STRANGER.into()) as u16;
+        Self { strangers_q6: [away_q6(strangers.left_q16), away_q6(strangers.right_q16)], ..self }
+    }
+
+    /// From where to where the pixels are the edge's own, in 1/256 px: between its neighbours, with a line or without.
+    #[inline(always)]
+    pub(super) fn bounds_q8(&self, column_q16: i32, around: &Neighbours) -> (i32, i32) {
+        let (column_q8, (left_q8, right_q8)) = (column_q16 >> 8, around.bounds_q8());
+        let [left_away_q8, right_away_q8] = self.strangers_q6.map(|away_q6| i32::from(away_q6) << 2);
+        (left_q8.max(column_q8 - left_away_q8), right_q8.min(column_q8 + right_away_q8))
     }
 
     /// After a change of levels or class.
@@ -168,6 +193,15 @@ impl EdgeModel {
         right_q8 - left_q8
     }
 
+    pub(super) fn blur_q16(&self) -> u32 {
+        u32::from(self.blur_q12) << 4
+    }
+
+    /// An edge that is no farther off the expected column is located in one step.
+    pub(super) fn one_step_q16(&self) -> u32 {
+        self.blur_q16() >> ONE_STEP_PARTS_LOG2
+    }
+
     pub(super) const fn blur_q8(&self) -> u16 {
         self.blur_q12 >> 4
     }
@@ -213,6 +247,7 @@ impl EdgeModel {
         } else {
             self.learn_part(kind, fit, u32::from(rows).max(1).ilog2());
         }
+        self.of_noise_q8 = fit.of_noise_q8;
         let is_textured = self.is_textured();
         let new_rows = if is_settled { 1 << LEARN_ROWS_LOG2 } else { 1 };
         self.textured_rows = self.textured_rows.saturating_add(if is_textured { new_rows } else { 0 });

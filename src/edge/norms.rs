@@ -90,7 +90,7 @@ impl Squares {
 }
 
 /// Least product of the slope with itself that shows an edge.
-const LEAST_SLOPE_SLOPE: u32 = 1 << 10;
+pub(super) const LEAST_SLOPE_SLOPE: u32 = 1 << 10;
 
 /// Sigma of the shift in units of b per contrast for a unit of noise, from the noise on the flank and on the plateaus,
 /// whose levels shift the edge when they are wrong: with S the slope and n pixels on a plateau, the root of 1/ΣS² +
@@ -113,7 +113,7 @@ pub(super) fn sigma_q16(of_noise_q8: u16, noise_q8: u16, per_contrast: Factor) -
 
 /// One over a sum of squares; of one that is hardly there, over the least that shows an edge, so that at least nine
 /// bits are lost.
-const fn reciprocal(squares: u32) -> Factor {
+pub(super) const fn reciprocal(squares: u32) -> Factor {
     let least = if squares > LEAST_SLOPE_SLOPE { squares } else { LEAST_SLOPE_SLOPE };
     Factor::of(ratio(u32::MAX, least), 32)
 }

@@ -41,6 +41,11 @@ impl<P: Pixels> PixelRow<'_, P> {
         self.pixels.grey().filter(|_| self.response.is_identity())?.get(stretch.columns())
     }
 
+    /// Whether the light is its grey bytes.
+    pub(super) fn is_of_light_bytes(&self) -> bool {
+        self.pixels.grey().is_some() && self.response.is_identity()
+    }
+
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.
     pub(super) fn each_light_q8<T>(
         &self,

@@ -9,8 +9,7 @@ use super::pixel_row::PixelRow;
 use super::point::EdgePoint;
 use super::scan::Scanner;
 use super::tuning::{
-    LEAST_APART_Q16, LONG_BLUR_Q8, MOST_CORRECTIONS, MOST_DRAWN_Q16, MOST_RESIDUAL, MOST_SETTLING_STEPS,
-    ONE_STEP_PARTS_LOG2, SURE_SIGMA_Q16,
+    LEAST_APART_Q16, LONG_BLUR_Q8, MOST_CORRECTIONS, MOST_DRAWN_Q16, MOST_RESIDUAL, MOST_SETTLING_STEPS, SURE_SIGMA_Q16,
 };
 use super::window::Neighbours;
 use crate::format::Pixels;
@@ -83,7 +82,7 @@ impl EdgeModel {
         drawn_q16: u32,
         around: Neighbours,
     ) -> Option<LocatedPoint> {
-        let bounds_q8 = around.bounds_q8();
+        let bounds_q8 = self.bounds_q8(expected_q16, &around);
         if !self.knows(row, expected_q16, bounds_q8) {
             return None;
         }
@@ -93,7 +92,7 @@ impl EdgeModel {
         if !is_within || fit.residual_q16 > self.most_residual_q16() {
             return None;
         }
-        let width_q8 = self.row_width_q8(row.kind(), &fit);
+        let width_q8 = if self.is_clipped(row.kind()) { 0 } else { self.width_near_q8(fit.width_q12) };
         if self.learns_next() {
             self.learn(row.kind(), &fit);
         }
@@ -102,9 +101,9 @@ impl EdgeModel {
     }
 
     /// The row's own width, so that the line's mean settles like any mean; beside texture it can be anything.
-    fn row_width_q8(&self, kind: usize, fit: &Fit) -> u16 {
+    pub(super) fn width_near_q8(&self, width_q12: i32) -> u16 {
         let half_q8 = i32::from(self.blur_q8() / 2);
-        if self.is_clipped(kind) { 0 } else { (fit.width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16 }
+        (width_q12 >> 4).clamp(half_q8, 3 * half_q8) as u16
     }
 
     /// What remains at most of a row that shows the edge, and the square of two levels for what no step has.
@@ -115,12 +114,17 @@ impl EdgeModel {
     /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it
     /// once went astray: another step where the one before was large.
     fn approach<P: Pixels>(&self, row: PixelRow<'_, P>, expected_q16: i32, bounds_q8: (i32, i32)) -> Option<Fit> {
-        let blur_q16 = i32::from(self.blur_q12) << 4;
+        let blur_q16 = self.blur_q16() as i32;
         let (mut from_q16, mut corrections) = (expected_q16, 0);
+        let looks_closely = self.learns_next() || !row.is_of_light_bytes();
         loop {
-            let fit = self.fit(row, from_q16, bounds_q8)?;
+            let fit = if looks_closely {
+                self.fit(row, from_q16, bounds_q8)?
+            } else {
+                self.quick_fit(row, from_q16, bounds_q8)?
+            };
             let shift_q16 = fit.column_q16.saturating_sub(from_q16);
-            let is_there = shift_q16.unsigned_abs() <= blur_q16.unsigned_abs() >> ONE_STEP_PARTS_LOG2;
+            let is_there = shift_q16.unsigned_abs() <= self.one_step_q16();
             if is_there || corrections == MOST_CORRECTIONS {
                 return Some(fit);
             }

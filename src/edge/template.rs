@@ -90,7 +90,12 @@ impl Template {
 
     /// The width's change for one unit of the product of residuals with it, in b, over 2¹².
     pub(super) const fn per_width(&self, norms: &Norms) -> Factor {
-        self.per_widening.and(norms.per_widening)
+        self.per_width_of(norms.per_widening)
+    }
+
+    /// Likewise, given one over the product of that change with itself.
+    pub(super) const fn per_width_of(&self, per_widening: Factor) -> Factor {
+        self.per_widening.and(per_widening)
     }
 
     /// Pixels of a plateau on either side: beyond the reach of the blur.

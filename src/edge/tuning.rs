@@ -44,6 +44,11 @@ pub(super) const TEXTURE_SIGMAS: u32 = 3;
 /// every hundredth row of 160 places (`scanning::noise_is_no_edge`).
 pub(super) const PEAK_SIGMAS_Q1: u32 = 9;
 
+/// Least share of a step that lies between two pixels where each has been made black or white; a lens of 0.3 px,
+/// sharper than any, leaves three quarters there at most (`thresholded::jumps_of_a_pixel_are_not_far` with more than
+/// all).
+pub(super) const ABRUPT: (u32, u32) = (15, 16);
+
 /// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5
 /// % of the column's noise (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).
 pub(super) const CLASS_RATIO: (u16, u16) = (23, 20);

@@ -5,7 +5,6 @@ use super::norms::sigma_q16;
 use super::pixel_row::PixelRow;
 use super::refine::LocatedPoint;
 use super::template::Phase;
-use super::tuning::ONE_STEP_PARTS_LOG2;
 use super::whole_window::WholeWindow;
 use super::window::Neighbours;
 use crate::format::Pixels;
@@ -44,16 +43,12 @@ impl EdgeModel {
         (expected_q16, gate_q16): (i32, u32),
         around: &Neighbours,
     ) -> Option<LocatedPoint> {
-        if from_q16.abs_diff(expected_q16) > self.one_step_q16() << ONE_STEP_PARTS_LOG2 {
+        if from_q16.abs_diff(expected_q16) > self.blur_q16() {
             return None;
         }
         let step = self.usual_step(row, from_q16, around)?;
         let is_there = step.column_q16.abs_diff(from_q16) <= self.one_step_q16();
         if is_there { self.take_usual(step, (expected_q16, gate_q16)) } else { None }
-    }
-
-    fn one_step_q16(&self) -> u32 {
-        u32::from(self.blur_q12) << 4 >> ONE_STEP_PARTS_LOG2
     }
 
     /// Takes what a step has found, if it is within the gate and what noise explains, and no wider or narrower than an
@@ -85,7 +80,7 @@ impl EdgeModel {
         around: &Neighbours,
     ) -> Option<UsualStep<'p>> {
         let template = self.template();
-        let window = WholeWindow::new(row, from_q16 >> 8, template, around.bounds_q8())?;
+        let window = WholeWindow::new(row, from_q16 >> 8, template, self.bounds_q8(from_q16, around))?;
         let sums = window.sums();
         let own_q8 = sums.levels_q8(template);
         let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(0), own_q8);
@@ -112,7 +107,8 @@ impl EdgeModel {
         if residual_q16 > self.most_residual_q16() {
             return None;
         }
-        self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8 });
+        let of_noise_q8 = window.phase.norms.sigma_q8;
+        self.learn(0, &Fit { column_q16, sigma_q16, of_noise_q8, width_q12, residual_q16, off_q8 });
         Some(())
     }
 }

@@ -49,6 +49,28 @@ impl Neighbours {
         }
     }
 
+    /// Those that are nearer than these, by more than one edge may be found apart from itself.
+    pub(crate) fn where_nearer_than(self, others: Self) -> Self {
+        let is_nearer = |own_q16: i32, other_q16: i32| own_q16.abs_diff(other_q16) > SAME_EDGE_Q16;
+        Self {
+            left_q16: if self.left_q16 > others.left_q16 && is_nearer(self.left_q16, others.left_q16) {
+                self.left_q16
+            } else {
+                Self::NONE.left_q16
+            },
+            right_q16: if self.right_q16 < others.right_q16 && is_nearer(self.right_q16, others.right_q16) {
+                self.right_q16
+            } else {
+                Self::NONE.right_q16
+            },
+        }
+    }
+
+    /// The nearer ones of two pairs.
+    pub(crate) fn or_nearer(self, other: Self) -> Self {
+        Self { left_q16: self.left_q16.max(other.left_q16), right_q16: self.right_q16.min(other.right_q16) }
+    }
+
     /// Their columns in 1/256 px.
     pub(super) const fn bounds_q8(&self) -> (i32, i32) {
         (self.left_q16 >> 8, self.right_q16 >> 8)
@@ -75,30 +97,15 @@ impl<'p, P: Pixels> Window<'p, P> {
         bounds_q8: (i32, i32),
     ) -> Option<Self> {
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
-        let (left_q8, right_q8) = view(column_q8, i32::from(template.reach_q8), bounds_q8);
-        let plateau = template.plateau();
-        let (whole_from, end) = (first - plateau, first + phase.weights.len() as i32);
-        let from = ((left_q8 + 255) >> 8).max(whole_from).max(0);
-        let to = ((right_q8 >> 8) + 1).min(end + plateau).min(row.columns());
-        // At least the outermost pixels tell the levels.
-        let (flank_from, flank_to) = (first.max(from + row.colours()), end.min(to - row.colours()));
-        if flank_from > flank_to {
-            return None;
-        }
-        // Between two neighbours the outermost pixels belong to the flank as well: two alone would tell nothing.
-        let is_narrow = flank_to - flank_from < LEAST_FLANK;
-        let (left_to, right_from) =
-            if is_narrow { (from + row.colours(), to - row.colours()) } else { (flank_from, flank_to) };
-        let (flank_from, flank_to) = if is_narrow { (from.max(first), to.min(end)) } else { (flank_from, flank_to) };
-        // Within the row, and each not before the one on its left.
-        let stretch = |from: i32, to: i32| Stretch { from: from as usize, to: to as usize };
-        let is_whole = from == whole_from && to == end + plateau;
+        let pixels = phase.weights.len() as i32;
+        let parts = Parts::new(column_q8, first, pixels, template, bounds_q8, (row.columns(), row.colours()))?;
+        let Parts { plateaus, flank, skipped } = parts;
         Some(Self {
             row,
-            flank: stretch(flank_from, flank_to),
-            weights: phase.weights.get((flank_from - first) as usize..)?,
-            plateaus: [stretch(from, left_to), stretch(right_from, to)],
-            whole: is_whole.then_some(&phase.norms),
+            flank,
+            weights: phase.weights.get(skipped..)?,
+            plateaus,
+            whole: parts.is_whole(first, pixels, template).then_some(&phase.norms),
             centre_q8,
         })
     }
@@ -157,6 +164,60 @@ impl<'p, P: Pixels> Window<'p, P> {
             sign = -sign;
             take((light_q8 >> 2) - expected_q6(left_q6, right_q6, weight.step), weight);
         });
+    }
+}
+
+/// How far apart the scanner and a line may find one edge.
+const SAME_EDGE_Q16: u32 = 1 << 16;
+
+/// Which pixels of a row are an edge's own.
+pub(super) struct Parts {
+    /// On the left of its flank, and on the right.
+    pub(super) plateaus: [Stretch; 2],
+    pub(super) flank: Stretch,
+    /// Pixels of the template before the flank's first.
+    pub(super) skipped: usize,
+}
+
+impl Parts {
+    /// Of an edge whose template's flank has so many pixels from the first one on, between these bounds, in a row of so
+    /// many columns and colours.
+    #[inline(always)]
+    pub(super) fn new(
+        column_q8: i32,
+        first: i32,
+        pixels: i32,
+        template: &Template,
+        bounds_q8: (i32, i32),
+        (columns, colours): (i32, i32),
+    ) -> Option<Self> {
+        let (left_q8, right_q8) = view(column_q8, i32::from(template.reach_q8), bounds_q8);
+        let (plateau, end) = (template.plateau(), first + pixels);
+        let from = ((left_q8 + 255) >> 8).max(first - plateau).max(0);
+        let to = ((right_q8 >> 8) + 1).min(end + plateau).min(columns);
+        // At least the outermost pixels tell the levels.
+        let (flank_from, flank_to) = (first.max(from + colours), end.min(to - colours));
+        if flank_from > flank_to {
+            return None;
+        }
+        // Between two neighbours the outermost pixels belong to the flank as well: two alone would tell nothing.
+        let is_narrow = flank_to - flank_from < LEAST_FLANK;
+        let (left_to, right_from) = if is_narrow { (from + colours, to - colours) } else { (flank_from, flank_to) };
+        let (flank_from, flank_to) = if is_narrow { (from.max(first), to.min(end)) } else { (flank_from, flank_to) };
+        // Within the row, and each not before the one on its left.
+        let stretch = |from: i32, to: i32| Stretch { from: from as usize, to: to as usize };
+        Some(Self {
+            plateaus: [stretch(from, left_to), stretch(right_from, to)],
+            flank: stretch(flank_from, flank_to),
+            skipped: (flank_from - first) as usize,
+        })
+    }
+
+    /// Whether nothing is cut off.
+    fn is_whole(&self, first: i32, pixels: i32, template: &Template) -> bool {
+        let [left, right] = self.plateaus;
+        let plateau = template.plateau();
+        left.from as i32 == first - plateau && right.to as i32 == first + pixels + plateau
     }
 }
 

@@ -68,6 +68,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         Prediction { column_q16: self.filter.column_after(rows), gate_q16, coasting: false }
     }
 
+    /// Where it should cross `row`, for a line that takes no point there.
+    pub(super) fn column_only(&self, row: u16) -> Prediction {
+        let rows = row.abs_diff(self.line.last().row);
+        Prediction { column_q16: self.filter.column_after(rows), gate_q16: 0, coasting: false }
+    }
+
     /// Takes its gate anew where that may have changed.
     fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
         let points = self.line.points();
@@ -80,9 +86,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// How far off its prediction a point so many rows on may lie, in 1/65536 px.
     fn gate_after(&self, rows: u16, memory: Memory, limits: &Limits) -> u32 {
-        let gate_q16 = memory.gate_q16(rows, limits).saturating_add(4 * self.row_sigma_q16());
+        let of_row_q16 = 4 * self.row_sigma_q16();
+        let gate_q16 = memory.gate_q16(rows, limits).saturating_add(of_row_q16);
         let gate_q16 = if self.model.is_some() && self.line.points() >= SCATTER_POINTS {
-            gate_q16.min(self.filter.scatter_gate_q16(memory, rows, self.line.is_beside_texture))
+            let of_scatter_q16 = self.filter.scatter_gate_q16(memory, rows, self.line.is_beside_texture);
+            // What no model locates may be known worse than it scatters: to a pixel, and then it jumps by one.
+            let least_q16 = if self.unexpected_points > 0 { of_row_q16 } else { 0 };
+            gate_q16.min(of_scatter_q16.max(least_q16))
         } else {
             gate_q16
         };
@@ -176,11 +186,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: &Neighbours,
         limits: &Limits,
     ) -> bool {
+        let (column_q16, gate_q16) = (self.next_column_q16(), u32::from(self.filter.gate_q8) << 8);
         let Some(model) = &mut self.model else { return false };
         if at.row.abs_diff(self.line.last.row) != 1 || self.line.is_beside_texture {
             return false;
         }
-        let (column_q16, gate_q16) = (self.filter.column_after(1), u32::from(self.filter.gate_q8) << 8);
         let Some(found) = model.locate_usual(row, column_q16, gate_q16, around) else { return false };
         self.take_next(&found, column_q16, at, limits);
         true

@@ -13,7 +13,7 @@ use super::steady::locate_steady;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::{LOOK_ROWS, YOUNG_POINTS, models_a_row};
+use super::tuning::{HIDDEN_ROWS, LOOK_ROWS, YOUNG_POINTS, models_a_row};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
@@ -150,7 +150,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
     /// a model of their edge.
-    pub(crate) fn look_at<P: Pixels>(&mut self, row: u16, pixels: PixelRow<'_, P>, noise_q8: u32) {
+    pub(crate) fn look_at<P: Pixels>(
+        &mut self,
+        row: u16,
+        pixels: PixelRow<'_, P>,
+        noise_q8: u32,
+        points: &[EdgePoint],
+    ) {
         let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
         for index in 0..self.table.under_way().len() {
             let Some(place) = self.table.under_way().get(index).copied() else { return };
@@ -172,7 +178,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             if let Some(track) = self.table.track_mut(place).filter(|track| track.is_unseen()) {
                 track.look_around(pixels);
             }
-            self.learn(place, pixels, noise_q8);
+            self.learn(place, pixels, noise_q8, points);
             last = next;
         }
     }
@@ -196,12 +202,20 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.table.tracks_under_way().filter(|track| track.model.is_some()).count()
     }
 
-    /// Gives a line a model of its edge, from the row in which it was last seen.
-    fn learn<P: Pixels>(&mut self, place: u16, pixels: PixelRow<'_, P>, noise_q8: u32) -> Option<()> {
+    /// Gives a line a model of its edge, from the row in which it was last seen, of which there are these other points.
+    fn learn<P: Pixels>(
+        &mut self,
+        place: u16,
+        pixels: PixelRow<'_, P>,
+        noise_q8: u32,
+        points: &[EdgePoint],
+    ) -> Option<()> {
         let point = *self.table.track(place)?.line.last();
-        let others = self.table.tracks_under_way().map(|track| track.line.last());
-        let around = Neighbours::among(others.filter(|other| other.row == point.row), &point);
-        let model = EdgeModel::settled(pixels, &point, around, noise_q8);
+        let of_row = self.table.tracks_under_way().filter(|track| track.line.last().row == point.row);
+        let lines = Neighbours::among(of_row.map(|track| track.line.last()), &point);
+        let strangers = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
+        let model = EdgeModel::settled(pixels, &point, lines.or_nearer(strangers), noise_q8);
+        let model = model.map(|model| model.with_strangers(point.column_q16, strangers));
         self.table.track_mut(place)?.set_model(model);
         Some(())
     }
@@ -278,11 +292,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 let role = match track.state {
                     _ if track.line.last().row == row => Role::Seen,
                     State::Tentative => Role::Tentative,
-                    State::Hidden if has_room => Role::Waiting,
+                    State::Hidden if has_room || !has_turn(*place, row) => Role::Waiting,
                     _ => Role::Confirmed,
                 };
+                let prediction = match role {
+                    Role::Waiting => track.column_only(row),
+                    _ => track.predict(row, limits),
+                };
                 has_moved |= candidates.add(Candidate {
-                    prediction: track.predict(row, limits),
+                    prediction,
                     blur_q16: track.blur_q16(),
                     slot: *place,
                     polarity: track.line.first().polarity,
@@ -381,4 +399,9 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         }
         has_young
     }
+}
+
+/// Whether it is the row in which the hidden line of a place may be found where there is no room to stitch.
+const fn has_turn(place: u16, row: u16) -> bool {
+    place.wrapping_add(row).is_multiple_of(HIDDEN_ROWS)
 }

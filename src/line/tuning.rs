@@ -46,6 +46,10 @@ pub(super) const LEAST_MEMORY_POINTS: u32 = 16;
 /// (`frames::a_line_goes_on_behind_a_rail`).
 pub(super) const MOST_GUESSED_ROWS: u16 = 4;
 
+/// Where there is no room to stitch, a hidden line is looked for in every so many rows: they are most lines of a full
+/// table (`cargo xtask budget --use clutter`, `frames::a_line_goes_on_behind_a_rail_when_the_table_is_full`).
+pub(super) const HIDDEN_ROWS: u16 = 4;
+
 /// A line of fewer points does not tell how steep it is; one of more is one of its own
 /// (`frames::a_line_goes_on_behind_a_rail`, `clutter::posts_above_each_other_stay_two_edges`).
 pub(super) const LEAST_STITCH_POINTS: u16 = 8;

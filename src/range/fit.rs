@@ -193,9 +193,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
                 let _ = residuals.push(Residual::new(observation, near.deviation(equation)));
             }
         }
-        // Where no lean is sought nothing else takes a wander of the edge.
-        let is_known = self.prior.state.is_some() && self.setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
-        Wander::of::<N>(&residuals, self.setup, self.prior.width_px, is_known)
+        Wander::of::<N>(&residuals, self.setup, self.prior.width_px)
     }
 
     /// What the settled fit says, with the errors that all samples share.

@@ -95,12 +95,12 @@ pub(super) const MOST_SHORT_MISFIT: (i32, i32) = (3, 2);
 pub(super) const CURVE_PART: (i32, i32) = (2, 5);
 
 /// Whether there is a twin is not asked where its turning point is more than so many sigmas away: the prior of the tilt
-/// rules it out, and it costs rounds.
+/// rules it out, and it costs rounds (`cargo test the_right_one_of_several_minima` with fewer).
 pub(super) const FARTHEST_TURN: i32 = 32;
 
 /// Where what lies between twins fits worse by less than so many sigmas, both are in sigma (`cargo test
 /// the_right_one_of_several_minima` with less).
 pub(super) const LEAST_BARRIER: i32 = 4;
 
-/// Likewise where a twin fits worse by less than four sigma: the square of it.
+/// Likewise where a twin fits worse by less than four sigma: the square of it (the same test with less).
 pub(super) const TWIN_COST: i32 = 16;

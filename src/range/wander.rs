@@ -68,14 +68,9 @@ impl<S: Scalar> Wander<S> {
     /// alike until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in
     /// the residuals, their modes are compared with what such a process leaves in them.
     ///
-    /// `is_known`: earlier frames have shown the same edge, with the same wander. It takes part in what they have told
-    /// of its place and its lean, and parallax does not mind it: only roughness is left.
-    pub(super) fn of<const N: usize>(
-        residuals: &[Residual<'_, S>],
-        setup: &Setup<S>,
-        blur_px: S,
-        is_known: bool,
-    ) -> Option<Self> {
+    /// In a sequence each frame counts for itself: what of a wander is the object's is the same in all of them and does
+    /// parallax no harm, but what neighbours and backgrounds do to it changes.
+    pub(super) fn of<const N: usize>(residuals: &[Residual<'_, S>], setup: &Setup<S>, blur_px: S) -> Option<Self> {
         let roughness_px = setup.uncertainty().edge_roughness_px;
         let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
         let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
@@ -89,20 +84,20 @@ impl<S: Scalar> Wander<S> {
         let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
         let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
         let roughness_rows = S::from_i32(ROUGHNESS_ROWS);
-        let alike_rows = if is_known { roughness_rows } else { crossing_rows.min(longest).max(roughness_rows) };
+        let alike_rows = crossing_rows.min(longest).max(roughness_rows);
         let none = S::ZERO;
-        if roughness_px == none && !is_known && is_white(residuals) {
-            return None;
-        }
         if roughness_px == none {
+            if is_white(residuals) {
+                return None;
+            }
             let shown = Shown::of::<N>(residuals, None);
-            if shown.noise == S::ONE && (is_known || shown.is_chance()) {
+            if shown.noise == S::ONE && shown.is_chance() {
                 return None;
             }
         }
         let kernel = Kernel::<S, N>::new(residuals, alike_rows, rows_per_s);
-        let shown = Shown::of(residuals, (!is_known).then_some(&kernel));
-        let wander_px2 = if is_known { roughness_px * roughness_px } else { shown.wander_px2(residuals, roughness_px) };
+        let shown = Shown::of(residuals, Some(&kernel));
+        let wander_px2 = shown.wander_px2(residuals, roughness_px);
         if shown.noise == S::ONE && wander_px2 == none {
             return None;
         }
