@@ -57,7 +57,9 @@ impl<S: Scalar> Optics<S> for Distortion<S> {
 
 /// The way from a camera's distortion to its optics: there is none without distortion.
 #[derive(Clone, Copy)]
-pub(super) struct CameraOptics<S>(Option<for<'d> fn(&'d Distortion<S>) -> &'d dyn Optics<S>>);
+pub(super) struct CameraOptics<S>(Option<OpticsOf<S>>);
+
+type OpticsOf<S> = for<'d> fn(&'d Distortion<S>) -> &'d dyn Optics<S>;
 
 impl<S: Scalar> CameraOptics<S> {
     pub(super) const STRAIGHT: Self = Self(None);
