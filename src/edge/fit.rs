@@ -45,7 +45,7 @@ impl EdgeModel {
         let (off_q8, contrast) = self.against_means(kind, own_q8)?;
         let moments = window.moments(own_q8);
         let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
-        Step { template, norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit(self)
+        Step { template, norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit_apart(self)
     }
 
     /// Likewise where a part of the window may be cut off, the light is no bytes, or there is texture beside the edge.
@@ -65,7 +65,7 @@ impl EdgeModel {
             return None;
         }
         if self.is_textured() {
-            return self.with_free_levels(&window, &norms)?.fit(self);
+            return self.with_free_levels(&window, &norms)?.fit_apart(self);
         }
         let own_q8 = window.levels_q8()?;
         let (off_q8, contrast) = self.against_means(row.kind(), own_q8)?;
@@ -136,6 +136,12 @@ pub(super) fn alike(usual_q8: i32, more_q8: i32) -> Option<i32> {
 }
 
 impl Step<'_> {
+    /// The same as a call: inlined everywhere it would take 1 kB more of flash.
+    #[inline(never)]
+    fn fit_apart(&self, model: &EdgeModel) -> Option<Fit> {
+        self.fit(model)
+    }
+
     #[inline(always)]
     fn fit(&self, model: &EdgeModel) -> Option<Fit> {
         let Self { template, norms, moments, contrast, free_slope_slope, centre_q8, off_q8 } = self;

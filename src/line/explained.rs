@@ -86,23 +86,34 @@ impl<const LINES: usize> Explained<LINES> {
     pub(super) fn remove_from<const POINTS: usize>(&mut self, points: &mut Vec<EdgePoint, POINTS>) -> u32 {
         let (mut nearby, mut strays) = (0, 0);
         points.retain(|point| {
-            let apart_q16 = |edge: &Edge| edge.column_q16.saturating_sub(point.column_q16);
-            nearby += self.edges.iter().skip(nearby).take_while(|edge| apart_q16(edge) < -MAX_REACH_Q16).count();
-            let explains = |edge: &&mut Edge| {
-                edge.polarity == point.polarity && apart_q16(edge).unsigned_abs() <= edge.reach_q16.unsigned_abs()
-            };
-            let is_within = |edge: &&mut Edge| apart_q16(edge) <= MAX_REACH_Q16;
-            let within = self.edges.iter_mut().skip(nearby).take_while(is_within);
-            // The first is the line's own point once more; any other is stray.
-            match within.filter(explains).reduce(|a, b| if a.is_seen { b } else { a }) {
-                Some(edge) => {
-                    strays += u32::from(edge.is_seen);
-                    edge.is_seen = true;
-                    false
-                }
-                None => true,
+            let edge = self.edge_of(point, &mut nearby);
+            if let Some(edge) = &edge {
+                strays += u32::from(edge.is_seen);
             }
+            edge.map(|edge| edge.is_seen = true).is_none()
         });
         strays
+    }
+
+    /// The edge that explains a point: the first that has not been seen yet, else the last. Those before `nearby` are
+    /// too far to the left for this and all later points.
+    #[inline(never)] // from the two loops of `retain`
+    fn edge_of(&mut self, point: &EdgePoint, nearby: &mut usize) -> Option<&mut Edge> {
+        let mut found = None;
+        for (index, edge) in self.edges.iter().enumerate().skip(*nearby) {
+            let apart_q16 = edge.column_q16.saturating_sub(point.column_q16);
+            if apart_q16 > MAX_REACH_Q16 {
+                break;
+            }
+            if apart_q16 < -MAX_REACH_Q16 && index == *nearby {
+                *nearby += 1;
+            } else if edge.polarity == point.polarity && apart_q16.unsigned_abs() <= edge.reach_q16.unsigned_abs() {
+                found = Some(index);
+                if !edge.is_seen {
+                    break;
+                }
+            }
+        }
+        self.edges.get_mut(found?)
     }
 }

@@ -26,18 +26,18 @@ pub(super) struct Memory(&'static Gains);
 
 /// What follows from the number of points: made when the library is compiled, so that no quotient is taken for a point.
 struct Gains {
-    points: u32,
+    points: u16,
     /// Part of the gate of a new line, for each row since the last point, in 1/256.
-    gate_q8: u32,
+    gate_q8: u16,
     /// Part of the steepest slope that the slope may still be off, in 1/32768: everything after one point, ever less
     /// after.
-    slope_off_q15: u32,
+    slope_off_q15: u16,
     /// Parts of what a point is off that column, slope and scatter follow, in 1/65536.
     column_q16: u16,
     turn_q16: u16,
     scatter_q16: u16,
     /// [`spread_q4`] in the next row, elsewhere and in texture.
-    spreads_q4: [u32; 2],
+    spreads_q4: [u16; 2],
 }
 
 static GAINS: [Gains; MEMORY_POINTS as usize] = {
@@ -55,13 +55,13 @@ impl Gains {
         let count = n * (n + 1);
         let remembered = if n < SCATTER_MEMORY_POINTS { n } else { SCATTER_MEMORY_POINTS };
         Self {
-            points: n,
-            gate_q8: (8 << 8) / n,
-            slope_off_q15: (1 << 15) / (n * n),
+            points: n as u16,
+            gate_q8: ((8 << 8) / n) as u16,
+            slope_off_q15: ((1 << 15) / (n * n)) as u16,
             column_q16: part_q16(4 * n - 2, count),
             turn_q16: part_q16(6, count),
             scatter_q16: part_q16(1, remembered),
-            spreads_q4: [spread_q4(n, 1, ROWS_ALIKE), spread_q4(n, 1, ROWS_ALIKE_IN_TEXTURE)],
+            spreads_q4: [spread_q4(n, 1, ROWS_ALIKE) as u16, spread_q4(n, 1, ROWS_ALIKE_IN_TEXTURE) as u16],
         }
     }
 }
@@ -102,8 +102,8 @@ impl Memory {
     pub(super) fn gate_q16(self, rows: u16, limits: &Limits) -> u32 {
         let (gate_q16, slope_q16) = (limits.gate_q16.min(MAX_GATE_Q16), limits.max_slope_q16.min(MAX_GATE_Q16));
         // Both fit: the widest gate has 22 bits.
-        let bend_q16 = ((gate_q16 >> 4) * self.0.gate_q8) >> 4;
-        let slope_off_q16 = ((slope_q16 >> 6) * self.0.slope_off_q15) >> 9;
+        let bend_q16 = ((gate_q16 >> 4) * u32::from(self.0.gate_q8)) >> 4;
+        let slope_off_q16 = ((slope_q16 >> 6) * u32::from(self.0.slope_off_q15)) >> 9;
         let (bend_q16, off_q16) = match rows {
             1 => (bend_q16, slope_off_q16),
             _ => (bend_q16.saturating_mul(rows.into()), slope_off_q16.saturating_mul(rows.into())),
@@ -139,7 +139,7 @@ impl Filter {
         let Gains { points, spreads_q4: [elsewhere_q4, texture_q4], .. } = *memory.0;
         let (next_q4, alike) =
             if in_texture { (texture_q4, ROWS_ALIKE_IN_TEXTURE) } else { (elsewhere_q4, ROWS_ALIKE) };
-        let spread_q4 = if rows == 1 { next_q4 } else { spread_q4(points, rows.into(), alike) };
+        let spread_q4 = if rows == 1 { next_q4.into() } else { spread_q4(points.into(), rows.into(), alike) };
         let scatter_q16 = u32::from(self.scatter_q16).max(1 << 12);
         // Four sigma are five mean deviations.
         (1 << 13) + ((5 * scatter_q16).saturating_mul(spread_q4) >> 4)

@@ -32,9 +32,13 @@ fn continued_by<const LINES: usize, const KNOTS: usize>(
     place: u16,
 ) -> Option<u16> {
     let young = table.track(place).filter(|young| young.is_stitchable() && young.line.last().row == row)?;
-    let others = table.under_way().iter().filter_map(|other| {
-        let older = table.track(*other)?;
-        Some((older.stitch_distance(young, limits)?, *other))
-    });
-    others.min().map(|(_, nearest)| nearest)
+    let mut nearest = None;
+    for other in table.under_way() {
+        let distance = table.track(*other).and_then(|older| older.stitch_distance(young, limits));
+        let Some(found) = distance.map(|distance| (distance, *other)) else { continue };
+        if nearest.is_none_or(|nearest| found < nearest) {
+            nearest = Some(found);
+        }
+    }
+    nearest.map(|(_, place)| place)
 }

@@ -142,6 +142,8 @@ impl<N: Arithmetic> Lens<N> {
     /// *inverse* mapping. `None` where the model folds over, or where numbers near one do not hold it.
     ///
     /// *Cost*: two to five steps of about 60 operations for real lenses, one from where the last point had it.
+    // Inlined into both its users: one of them once a sample, where a call takes a tenth as long as it.
+    #[inline(always)]
     pub(super) fn undistort_from(&self, recorded: [N; 2], start: [N; 2], nearness: &Nearness<N>) -> Option<Mapped<N>> {
         if nearness.excludes(start) {
             return None;

@@ -48,7 +48,9 @@ impl<N: Near> LensPoint<N> {
 
 impl<'a, S: Scalar> LensSpans<'a, S> {
     /// Of a lens, and the largest bearings of any ideal or recorded point.
-    pub(super) fn new(distortion: &'a Distortion<S>, largest: [S; 2]) -> Self {
+    // Not inlined, and made where it stays: what it needs leaves the stack before the first inversion comes.
+    #[inline(never)]
+    pub(super) fn begin(spans: &mut Option<Self>, distortion: &'a Distortion<S>, largest: [S; 2]) {
         let (is_wide, margin) = (S::Near::IS_WIDE, S::ratio(17, 16));
         let [u, w] = largest.map(|size| if is_wide { size } else { size * margin });
         let is_near = is_wide || distortion.is_near([u, w]);
@@ -57,18 +59,18 @@ impl<'a, S: Scalar> LensSpans<'a, S> {
             residual: (S::EPSILON * S::from_i32(32)).near(0),
             farthest: (!is_wide).then(|| u.max(w).near(0)),
         };
-        Self { distortion, lens: is_near.then(|| distortion.near_lens()), nearness, last: None }
+        *spans = Some(Self { distortion, lens: is_near.then(|| distortion.near_lens()), nearness, last: None });
     }
 
     /// About a recorded point, so far to either side; `None` where the model of the lens folds over. The inversion
     /// starts from the last one.
     ///
     /// *Cost*: mostly one step of the inversion and a short one for each end.
-    pub(super) fn span(&mut self, [recorded, half]: [[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
-        match self.nearby(recorded, half, per_fx) {
+    pub(super) fn span(&mut self, stretch: &[[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
+        match self.nearby(stretch, per_fx) {
             // The last one is forgotten: from nowhere.
-            None if S::Near::IS_WIDE => self.nearby(recorded, half, per_fx),
-            None => self.far_off(recorded, half, per_fx),
+            None if S::Near::IS_WIDE => self.nearby(stretch, per_fx),
+            None => self.far_off(stretch, per_fx),
             span => span,
         }
     }
@@ -76,9 +78,9 @@ impl<'a, S: Scalar> LensSpans<'a, S> {
     /// From the last one; `None` where that leads nowhere.
     // Not inlined, as the other way: what each of them needs leaves the stack before the other one comes.
     #[inline(never)]
-    fn nearby(&mut self, recorded: [S; 2], half: [S; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
+    fn nearby(&mut self, stretch: &[[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
         let (lens, nearness) = (self.lens.as_ref()?, &self.nearness);
-        let [recorded, half] = [recorded, half].map(|pair| pair.map(|part| part.near(0)));
+        let [recorded, half] = stretch.map(|pair| pair.map(|part| part.near(0)));
         let none = [S::Near::ZERO; 2];
         let (linear, bend) = self.last.map_or((recorded, none), |last| (last.continued_to(recorded), last.bend));
         self.last = None;
@@ -107,7 +109,8 @@ impl<'a, S: Scalar> LensSpans<'a, S> {
 
     /// In numbers of any size, from nowhere.
     #[inline(never)]
-    fn far_off(&self, recorded: [S; 2], half: [S; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
+    fn far_off(&self, stretch: &[[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
+        let [recorded, half] = *stretch;
         let ideal = self.distortion.undistort(recorded)?;
         Some(self.far_span(&ideal, recorded, half, per_fx))
     }

@@ -1,7 +1,8 @@
 //! [`Optics`]: what a lens that distorts does to rays, by way of the camera that has one.
 //!
 //! A program whose cameras have no distortion never makes [`CameraOptics::DISTORTING`], so that the linker leaves out
-//! what only a lens with distortion needs: 3 to 6 kB.
+//! what only a lens with distortion needs: 3 kB on a Cortex-M0, in fixed point 9 (`cargo xtask budget` fails where one
+//! of its programs holds any of it).
 
 use core::fmt;
 
@@ -18,13 +19,15 @@ pub(super) trait Optics<S> {
     /// From the recorded to the ideal point; `None` where the model folds over.
     fn undistorted(&self, recorded: [S; 2]) -> Option<Mapped<Whole<S>>>;
 
-    /// See [`LensSpans::new`].
-    fn spans(&self, largest: [S; 2]) -> LensSpans<'_, S>
-    where
-        S: Scalar;
-
-    /// See [`LensSpans::span`].
-    fn span(&self, spans: &mut LensSpans<'_, S>, stretch: [[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>>
+    /// The rays of a stretch of pixels, as [`LensSpans::span`] has them; `spans` has seen those before, if there were
+    /// any.
+    fn span<'d>(
+        &'d self,
+        spans: &mut Option<LensSpans<'d, S>>,
+        largest: [S; 2],
+        stretch: &[[S; 2]; 2],
+        per_fx: S,
+    ) -> Option<RaySpan<S::Near>>
     where
         S: Scalar;
 }
@@ -38,18 +41,25 @@ impl<S: Scalar> Optics<S> for Distortion<S> {
         self.undistort(recorded)
     }
 
-    fn spans(&self, largest: [S; 2]) -> LensSpans<'_, S> {
-        LensSpans::new(self, largest)
-    }
-
-    fn span(&self, spans: &mut LensSpans<'_, S>, stretch: [[S; 2]; 2], per_fx: S) -> Option<RaySpan<S::Near>> {
-        spans.span(stretch, per_fx)
+    fn span<'d>(
+        &'d self,
+        spans: &mut Option<LensSpans<'d, S>>,
+        largest: [S; 2],
+        stretch: &[[S; 2]; 2],
+        per_fx: S,
+    ) -> Option<RaySpan<S::Near>> {
+        if spans.is_none() {
+            LensSpans::begin(spans, self, largest);
+        }
+        spans.as_mut()?.span(stretch, per_fx)
     }
 }
 
 /// The way from a camera's distortion to its optics: there is none without distortion.
 #[derive(Clone, Copy)]
-pub(super) struct CameraOptics<S>(Option<for<'d> fn(&'d Distortion<S>) -> &'d dyn Optics<S>>);
+pub(super) struct CameraOptics<S>(Option<OpticsOf<S>>);
+
+type OpticsOf<S> = for<'d> fn(&'d Distortion<S>) -> &'d dyn Optics<S>;
 
 impl<S: Scalar> CameraOptics<S> {
     pub(super) const STRAIGHT: Self = Self(None);

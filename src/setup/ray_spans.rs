@@ -9,12 +9,14 @@ use crate::scalar::Scalar;
 pub(crate) struct RaySpans<'a, S: Scalar> {
     camera: &'a Camera<S>,
     /// `None` without distortion.
-    lens: Option<(&'a dyn Optics<S>, LensSpans<'a, S>)>,
+    optics: Option<&'a dyn Optics<S>>,
+    /// What its lens has seen so far.
+    lens: Option<LensSpans<'a, S>>,
 }
 
 impl<'a, S: Scalar> RaySpans<'a, S> {
     pub(crate) fn new(camera: &'a Camera<S>) -> Self {
-        Self { camera, lens: camera.optics().map(|optics| (optics, optics.spans(camera.largest()))) }
+        Self { camera, optics: camera.optics(), lens: None }
     }
 
     /// Of the pixels from `half` before `at` to `half` after it, both column and row; `None` where the model of the
@@ -24,9 +26,9 @@ impl<'a, S: Scalar> RaySpans<'a, S> {
     pub(crate) fn span(&mut self, at: [S; 2], half: [S; 2]) -> Option<RaySpan<S::Near>> {
         let (recorded, [per_fx, per_fy]) = (self.camera.normalised(at[0], at[1]), self.camera.per_focal());
         let half = [half[0] * per_fx, half[1] * per_fy];
-        match &mut self.lens {
+        match self.optics {
             None => Some(RaySpan::of_whole(recorded, half, [per_fx, S::ZERO])),
-            Some((optics, spans)) => optics.span(spans, [recorded, half], per_fx),
+            Some(optics) => optics.span(&mut self.lens, self.camera.largest(), &[recorded, half], per_fx),
         }
     }
 }

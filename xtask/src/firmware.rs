@@ -19,6 +19,9 @@ const OF_SINGLES: [&str; 8] =
 const OF_DOUBLES: [&str; 8] =
     ["__adddf3", "__subdf3", "__muldf3", "__divdf3", "__extendsfdf2", "__truncdfsf2", "__floatsidf", "__fixdfsi"];
 
+/// Of lenses with distortion.
+const OF_LENSES: [&str; 1] = ["undistort"];
+
 /// The programs of `xtask/firmware`, linked for a board, a back end and an optimisation.
 pub(crate) struct Firmware {
     board: Board,
@@ -113,13 +116,13 @@ impl Firmware {
         Ok(size)
     }
 
-    /// Refuses a program that holds arithmetic of another number type than its own: doubles in single precision, and
-    /// any floating point in fixed point.
-    pub(crate) fn ensure_own_arithmetic(&self, program: &str) -> Result<()> {
+    /// Refuses a program that holds what it does not use: arithmetic of another number type than its own, doubles in
+    /// single precision and any floating point in fixed point, and what only a lens with distortion needs.
+    pub(crate) fn ensure_nothing_foreign(&self, program: &str) -> Result<()> {
         let foreign: &[&[&str]] = match self.backend {
-            BackEnd::F32 | BackEnd::Micro => &[&OF_DOUBLES],
-            BackEnd::Fixed => &[&OF_SINGLES, &OF_DOUBLES],
-            BackEnd::F64 => &[],
+            BackEnd::F32 | BackEnd::Micro => &[&OF_DOUBLES, &OF_LENSES],
+            BackEnd::Fixed => &[&OF_SINGLES, &OF_DOUBLES, &OF_LENSES],
+            BackEnd::F64 => &[&OF_LENSES],
         };
         let path = self.program(program);
         let data = fs::read(&path).with_context(|| path.display().to_string())?;

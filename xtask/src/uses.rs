@@ -308,7 +308,7 @@ fn sequence(firmware: &Firmware, _: &str) -> Result<Measured> {
 fn program(firmware: &Firmware, name: &str) -> Result<Measured> {
     let program = name.replace(' ', "_");
     let size = firmware.size(&program)?;
-    firmware.ensure_own_arithmetic(&program)?;
+    firmware.ensure_nothing_foreign(&program)?;
     let told = firmware.run(&program, &Job::default())?;
     let stack = number(told.first().context("nothing was told")?, 0)?;
     Ok(vec![("flash_bytes", size.flash as f64), ("ram_bytes", size.ram as f64), ("stack_bytes", stack as f64)])
