@@ -144,7 +144,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// line of its own. The knot beside the straight part, in which the line turns, belongs to neither; there may be
     /// none beyond it.
     pub(super) fn split(&mut self) -> Option<Self> {
-        let means: Vec<Mean, KNOTS> = self.knots.iter().enumerate().filter_map(Mean::of).collect();
+        let mut means: Vec<Mean, KNOTS> = Vec::new();
+        self.knots.iter().enumerate().filter_map(Mean::of).for_each(|mean| {
+            // There is room: as many as knots.
+            let _ = means.push(mean);
+        });
         let part = straight_part(&self.knots, &means)?;
         let turn = turn_beside(&means, &part)?;
         let (before, after) = (means.get(..turn)?, means.get(turn + 1..)?);
