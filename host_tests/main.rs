@@ -64,6 +64,7 @@ mod table_size;
 mod textured_sequence;
 mod simulator;
 mod sizing;
+mod splitting;
 mod statuses;
 mod symmetries;
 mod table2;

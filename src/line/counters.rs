@@ -11,8 +11,9 @@
 pub struct Counters {
     /// Edge points that were taken: those handed over, or those found in rows of pixels.
     pub points: u32,
-    /// Edge points of no line: of tentative lines that were never confirmed (noise and texture), of a torn frame, and
-    /// those that could be of either of two edges that are too near to each other.
+    /// Edge points of no line: of tentative lines that were never confirmed (noise and texture), of a torn frame, of
+    /// what frays where a line was split, and those that could be of either of two edges that are too near to each
+    /// other.
     pub stray_points: u32,
     /// Edge points for which there was no room: in the buffer of their row, or in the table of lines.
     pub dropped_points: u32,

@@ -54,6 +54,17 @@ impl Knot {
         self.widths = self.widths.saturating_add((point.width_q8 > 0).into());
     }
 
+    /// The same relative to another first point, which lies at `start` relative to this one's: a knot of one point.
+    pub(super) fn relative_to(&self, start: &Self) -> Self {
+        let points = self.points;
+        Self {
+            columns_q16: self.columns_q16.saturating_sub(start.columns_q16 * i64::from(points)),
+            times_ns: self.times_ns.saturating_sub(start.times_ns.saturating_mul(i64::from(points))),
+            rows: self.rows.saturating_sub(start.rows * u32::from(points)),
+            ..*self
+        }
+    }
+
     /// Adds the sums of another knot. Only times can saturate, and not those of points that a [`Ranger`](crate::Ranger)
     /// has checked.
     pub(crate) fn add(&mut self, other: &Self) {

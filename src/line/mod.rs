@@ -6,6 +6,7 @@ mod knot;
 mod halo;
 mod prominence;
 mod line;
+mod split;
 mod association;
 mod filter;
 mod track;

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::line::Line;
 use super::track::{State, Track};
+use super::tuning::LEAST_PART_POINTS;
 use crate::edge::EdgePoint;
 use crate::setup::Limits;
 
@@ -133,6 +134,43 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
             return 0;
         }
         self.forget(place)
+    }
+
+    /// Splits the lines that have ended, from the `first` on, into their straight parts. Number of points that are stray
+    /// then: those of parts that are too short, and of the shorter one of two where no place is free for it.
+    pub(super) fn split_ended(&mut self, first: usize) -> u32 {
+        let (mut index, mut strays) = (first, 0);
+        while let Some(place) = self.ended.get(index).copied() {
+            let split = self.track_mut(place).and_then(|track| {
+                let points = track.line.points();
+                let later = track.split()?;
+                Some((points.saturating_sub(track.line.points()).saturating_sub(later.line.points()), later))
+            });
+            match split {
+                Some((between, later)) => strays += u32::from(between) + u32::from(self.place_part(place, later)),
+                None => index += 1,
+            }
+        }
+        strays
+    }
+
+    /// Finds a place for the later part of a line. Number of points that are left out.
+    fn place_part(&mut self, place: u16, later: Track<KNOTS>) -> u16 {
+        let shorter = self.track(place).map_or(0, |earlier| earlier.line.points()).min(later.line.points());
+        let free = self.slots.iter().position(|slot| slot.track().is_none());
+        if shorter >= LEAST_PART_POINTS
+            && let Some(free) = free
+            && let Some(slot) = self.slots.get_mut(free)
+        {
+            *slot = Slot::Taken(later);
+            // There is room: one for each place.
+            let _ = self.ended.push(free as u16);
+            return 0;
+        }
+        if let Some(earlier) = self.track_mut(place).filter(|earlier| earlier.line.points() < later.line.points()) {
+            *earlier = later;
+        }
+        shorter
     }
 
     /// Forgets a line that has been left out. Number of its points.

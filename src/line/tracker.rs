@@ -249,10 +249,13 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
+        let ended = self.table.ended().count();
         while let Some(place) = self.table.leave_out_last() {
             let strays = self.table.finish(place);
             self.count_stray(strays);
         }
+        let strays = self.table.split_ended(ended);
+        self.count_stray(strays);
     }
 
     /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
@@ -396,6 +399,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others
     /// broke off.
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
+        let ended = self.table.ended().count();
         let (mut index, mut has_young) = (0, false);
         while let Some(place) = self.table.under_way().get(index).copied() {
             if let Some(track) = self.table.track_mut(place) {
@@ -409,6 +413,10 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                 }
             }
             index += 1;
+        }
+        if self.table.ended().count() > ended {
+            let strays = self.table.split_ended(ended);
+            self.count_stray(strays);
         }
         has_young
     }

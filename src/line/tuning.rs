@@ -130,3 +130,28 @@ pub(super) const fn models_a_row(lines: usize) -> usize {
     let part = lines / 16;
     if part > LEAST { part } else { LEAST }
 }
+
+/// A line is not straight where it departs by more than this from the way between its ends, in 1/65536 px, and by so
+/// many sigmas of what is averaged there: real edges wander by less (`line::split::tests::straight_lines_stay_whole`).
+pub(super) const LEAST_KINK_Q16: u64 = 1 << 17;
+pub(super) const KINK_SIGMAS: u64 = 6;
+
+/// What is straight stays within this of one line, in 1/65536 px, or within one of so many parts of what the whole
+/// departs: more than real edges wander, and less than what would bend a part.
+pub(super) const STRAIGHT_Q16: u64 = 1 << 14;
+pub(super) const STRAIGHT_PARTS: u64 = 12;
+
+/// A straight part has at least such a share of the points (`splitting::a_line_ends_where_its_edge_turns` with 2/3).
+pub(super) const LEAST_SHARE: (u32, u32) = (3, 10);
+
+/// What stays within one of so many parts of what it departs, and so many sigmas, of a parabola is a curve: it has no
+/// straight part (`line::split::tests::curves_stay_whole`).
+pub(super) const CURVE_PARTS: u64 = 8;
+pub(super) const CURVE_SIGMAS: u64 = 3;
+
+/// Two knots always lie on a straight line (`line::split::tests::what_is_straight_nowhere_stays_whole`).
+pub(super) const LEAST_STRAIGHT_KNOTS: usize = 3;
+
+/// A part of fewer points is none: two lengths of roughness, without which nothing tells the end of an edge that frays
+/// from another edge.
+pub(super) const LEAST_PART_POINTS: u16 = 32;

@@ -1,0 +1,301 @@
+//! A line that runs on past the end of its edge, to another one or into texture, is split where it turns.
+//!
+//! A line that curves as a whole, as lenses and turning cameras make it, is a parabola but for a small part of what it
+//! departs; one that turns at the end of its edge is not. docs/model.md, section 7.9.
+
+use core::ops::Range;
+
+use heapless::Vec;
+
+use super::knot::Knot;
+use super::line::Line;
+use super::tuning::{
+    CURVE_PARTS, CURVE_SIGMAS, KINK_SIGMAS, LEAST_KINK_Q16, LEAST_SHARE, LEAST_STRAIGHT_KNOTS, STRAIGHT_PARTS,
+    STRAIGHT_Q16,
+};
+use crate::edge::EdgePoint;
+
+/// Where a knot lies, relative to the line's first point.
+#[derive(Clone, Copy)]
+struct Mean {
+    row_q8: i32,
+    column_q16: i32,
+    knot: u16,
+    points: u16,
+}
+
+impl Mean {
+    fn of((index, knot): (usize, &Knot)) -> Option<Self> {
+        let points = i64::from(knot.points);
+        let row_q8 = (i64::from(knot.rows) << 8).checked_div(points)?;
+        let column_q16 = knot.columns_q16.checked_div(points)?;
+        // A line has fewer than 2¹⁶ rows, and fewer columns.
+        let fits = |value: i64| value.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
+        Some(Self { row_q8: fits(row_q8), column_q16: fits(column_q16), knot: index as u16, points: knot.points })
+    }
+
+    /// Rows from another one on, in 1/256.
+    fn rows_q8(&self, from: &Self) -> i64 {
+        i64::from(self.row_q8) - i64::from(from.row_q8)
+    }
+
+    fn columns_q16(&self, from: &Self) -> i64 {
+        i64::from(self.column_q16) - i64::from(from.column_q16)
+    }
+
+    /// Slope of the way there that ends so much to the side, in 1/65536 px per row.
+    fn slope_q16(&self, from: &Self, aside_q16: i64) -> i64 {
+        ((self.columns_q16(from) + aside_q16) << 8).checked_div(self.rows_q8(from)).unwrap_or(0)
+    }
+}
+
+/// The straight way between two of them.
+struct Chord {
+    from: Mean,
+    /// In 1/65536 px per row.
+    slope_q16: i64,
+}
+
+impl Chord {
+    fn between(from: &Mean, to: &Mean) -> Self {
+        Self { from: *from, slope_q16: to.slope_q16(from, 0) }
+    }
+
+    /// How far off it one lies, in 1/65536 px.
+    fn off_q16(&self, mean: &Mean) -> i64 {
+        mean.columns_q16(&self.from) - (self.slope_q16.saturating_mul(mean.rows_q8(&self.from)) >> 8)
+    }
+}
+
+/// The one that is farthest from the straight way between the ends, and how far, in 1/65536 px.
+fn farthest(means: &[Mean]) -> Option<(usize, u64)> {
+    let chord = Chord::between(means.first()?, means.last()?);
+    let off_q16 = means.iter().map(|mean| chord.off_q16(mean).unsigned_abs());
+    off_q16.enumerate().max_by_key(|(_, off_q16)| *off_q16)
+}
+
+/// How many of the means lie within a distance of one straight line through the first.
+fn within(means: &[Mean], distance_q16: i64) -> usize {
+    let Some((first, others)) = means.split_first() else { return 0 };
+    let (mut least, mut most) = (i64::MIN, i64::MAX);
+    let lies_within = |mean: &&Mean| {
+        least = least.max(mean.slope_q16(first, -distance_q16));
+        most = most.min(mean.slope_q16(first, distance_q16));
+        least <= most
+    };
+    1 + others.iter().take_while(lies_within).count()
+}
+
+fn points(means: &[Mean]) -> u32 {
+    means.iter().fold(0, |sum, mean| sum + u32::from(mean.points))
+}
+
+/// The longest straight part of a line that is neither straight as a whole nor a curve, if it is a good part of it.
+fn straight_part(knots: &[Knot], means: &[Mean]) -> Option<Range<usize>> {
+    let (at, off_q16) = farthest(means)?;
+    let sigma_q16 = sigma_q16(knots, means.get(at)?);
+    let is_straight = off_q16 <= LEAST_KINK_Q16 + KINK_SIGMAS * sigma_q16;
+    if is_straight || is_curve(means, at, off_q16 / CURVE_PARTS + CURVE_SIGMAS * sigma_q16) {
+        return None;
+    }
+    // A departure is less than 2⁴⁰.
+    let distance_q16 = STRAIGHT_Q16.max(off_q16 / STRAIGHT_PARTS) as i64;
+    let parts = (0..means.len()).filter_map(|from| {
+        let rest = means.get(from..)?;
+        let count = within(rest, distance_q16);
+        Some((points(rest.get(..count)?), from..from + count))
+    });
+    let (most, part) = parts.max_by_key(|(points, _)| *points)?;
+    let is_good = LEAST_SHARE.1 * most >= LEAST_SHARE.0 * points(means) && part.len() >= LEAST_STRAIGHT_KNOTS;
+    is_good.then_some(part)
+}
+
+/// The one in which a line turns before or after a straight part: it, or its last one, which may lie as near as what is
+/// straight. Without it both sides are the straightest.
+fn turn_beside(means: &[Mean], part: &Range<usize>) -> Option<usize> {
+    let turns = if part.start > 0 { [part.start - 1, part.start] } else { [part.end, part.end.checked_sub(1)?] };
+    let off_q16 = |side: Option<&[Mean]>| side.and_then(farthest).map_or(0, |(_, off_q16)| off_q16);
+    let without = |turn: usize| off_q16(means.get(..turn)) + off_q16(means.get(turn + 1..));
+    turns.into_iter().min_by_key(|turn| without(*turn))
+}
+
+/// Whether all lie within a distance of the parabola through both ends and one of them.
+fn is_curve(means: &[Mean], at: usize, most_q16: u64) -> bool {
+    let [Some(first), Some(top), Some(last)] = [means.first(), means.get(at), means.last()] else { return true };
+    let chord = Chord::between(first, last);
+    let height_q16 = chord.off_q16(top);
+    let product = |mean: &Mean| mean.rows_q8(first) * last.rows_q8(mean);
+    let per_height = (product(top) >> 8).max(1);
+    means.iter().all(|mean| {
+        let part_q8 = product(mean).checked_div(per_height).unwrap_or(0);
+        let curve_q16 = height_q16.saturating_mul(part_q8) >> 8;
+        chord.off_q16(mean).abs_diff(curve_q16) <= most_q16
+    })
+}
+
+/// One sigma of a knot's mean.
+fn sigma_q16(knots: &[Knot], mean: &Mean) -> u64 {
+    let variances_q32 = knots.get(usize::from(mean.knot)).map_or(0, |knot| knot.variances_q32);
+    variances_q32.isqrt().checked_div(mean.points.into()).unwrap_or(0)
+}
+
+impl<const KNOTS: usize> Line<KNOTS> {
+    /// Splits a line that is straight in a part only, before or after that part: what comes later is handed back, as a
+    /// line of its own. The knot beside the straight part, in which the line turns, belongs to neither; there may be
+    /// none beyond it.
+    pub(super) fn split(&mut self) -> Option<Self> {
+        let mut means: Vec<Mean, KNOTS> = Vec::new();
+        self.knots.iter().enumerate().filter_map(Mean::of).for_each(|mean| {
+            // There is room: as many as knots.
+            let _ = means.push(mean);
+        });
+        let part = straight_part(&self.knots, &means)?;
+        let turn = turn_beside(&means, &part)?;
+        let (before, after) = (means.get(..turn)?, means.get(turn + 1..)?);
+        // One beyond the last knot before, and the first one after.
+        let kept = before.last().map_or(0, |mean| usize::from(mean.knot) + 1);
+        let left = after.first().map_or(self.knots.len(), |mean| usize::from(mean.knot));
+        let end = before.last().map(|mean| self.point_along(mean, (kept << self.span_log2) - 1, &self.first));
+        let start = after.first().map(|mean| self.point_along(mean, left << self.span_log2, &self.last));
+        let (end, start) = (end.unwrap_or(Some(self.first))?, start.unwrap_or(Some(self.last))?);
+        let from = Knot::of(&start, &self.first);
+        let mut later = self.clone();
+        later.knots.clear();
+        (later.first, later.points) = (start, 0);
+        for knot in self.knots.iter().skip(left) {
+            later.points = later.points.saturating_add(knot.points);
+            // There is room: they are fewer.
+            let _ = later.knots.push(knot.relative_to(&from));
+        }
+        self.knots.truncate(kept);
+        self.points = self.knots.iter().fold(0, |sum, knot| knot.points.saturating_add(sum));
+        self.last = end;
+        Some(later)
+    }
+
+    /// A point of the line, so many rows after the first one: on the way from the mean of a knot to a point.
+    fn point_along(&self, mean: &Mean, rows: usize, to: &EdgePoint) -> Option<EdgePoint> {
+        let rows = u16::try_from(rows).ok()?;
+        let all_rows = self.last.row.abs_diff(self.first.row);
+        let to_row_q8 = i64::from(to.row.abs_diff(self.first.row)) << 8;
+        let to_column_q16 = i64::from(to.column_q16) - i64::from(self.first.column_q16);
+        let (row_q8, column_q16) = (i64::from(mean.row_q8), i64::from(mean.column_q16));
+        let off_q8 = (i64::from(rows) << 8) - row_q8;
+        let turn_q16 = (to_column_q16 - column_q16).saturating_mul(off_q8).checked_div(to_row_q8 - row_q8).unwrap_or(0);
+        let column_q16 = i64::from(self.first.column_q16) + column_q16 + turn_q16;
+        let time_ns = self.last.time_ns.saturating_sub(self.first.time_ns).checked_mul(rows.into())?;
+        let time_ns = self.first.time_ns.saturating_add(time_ns.checked_div(all_rows.into())?);
+        let row = if self.last.row < self.first.row {
+            self.first.row - rows.min(self.first.row)
+        } else {
+            self.first.row.saturating_add(rows)
+        };
+        Some(EdgePoint { row, column_q16: i32::try_from(column_q16).ok()?, time_ns, ..*to })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::rngs::StdRng;
+    use rand::{Rng, SeedableRng};
+
+    use super::Line;
+    use crate::edge::EdgePoint;
+
+    const ROWS: u16 = 480;
+
+    fn point(row: u16, column_px: f64, sigma_px: f64) -> EdgePoint {
+        let q16 = |px: f64| (px * 65536.0) as i32;
+        let at = EdgePoint::new(row, q16(column_px), i64::from(row) * 30_000);
+        EdgePoint { sigma_q16: q16(sigma_px).unsigned_abs().max(1), ..at }
+    }
+
+    fn line<const KNOTS: usize>(mut column_px: impl FnMut(u16) -> f64, sigma_px: f64) -> Line<KNOTS> {
+        let mut line = Line::new(point(0, column_px(0), sigma_px));
+        (1..ROWS).for_each(|row| line.push(point(row, column_px(row), sigma_px)).expect("rows in order"));
+        line
+    }
+
+    /// White noise, and a wander that falls off over a dozen rows, as real edges have.
+    fn noise(random: &mut StdRng, white_px: f64, wander_px: f64) -> impl FnMut() -> f64 {
+        let normal = |random: &mut StdRng| (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
+        let (mut random, mut wander) = (StdRng::seed_from_u64(random.random()), normal(random));
+        move || {
+            wander = 0.85 * wander + 0.527 * normal(&mut random);
+            white_px * normal(&mut random) + wander_px * wander
+        }
+    }
+
+    /// Of 4000 lines none is split, whether its noise is white or wanders.
+    #[test]
+    fn straight_lines_stay_whole() {
+        let mut random = StdRng::seed_from_u64(1);
+        for index in 0..4000_u16 {
+            let slope = random.random_range(-1.0..1.0);
+            let (white_px, wander_px) = (random.random_range(0.02..0.5), f64::from(index % 5) * 0.05);
+            let mut noise = noise(&mut random, white_px, wander_px);
+            let column_px = |row: u16| 700.0 + slope * f64::from(row) + noise();
+            let is_split =
+                if index % 2 == 0 { split_of::<16>(column_px, white_px) } else { split_of::<64>(column_px, white_px) };
+            assert!(!is_split, "line {index}: {white_px} px of noise, {wander_px} of wander");
+        }
+    }
+
+    fn split_of<const KNOTS: usize>(column_px: impl FnMut(u16) -> f64, sigma_px: f64) -> bool {
+        line::<KNOTS>(column_px, sigma_px).split().is_some()
+    }
+
+    /// As lenses and turning cameras make them.
+    #[test]
+    fn curves_stay_whole() {
+        let mut random = StdRng::seed_from_u64(2);
+        for index in 0..400_u16 {
+            let (sagitta_px, turn) = (random.random_range(-40.0..40.0), random.random_range(-0.5..0.5));
+            let white_px = random.random_range(0.02..0.3);
+            let mut noise = noise(&mut random, white_px, 0.05);
+            let curve = |row: u16| {
+                let part = f64::from(row) / f64::from(ROWS);
+                400.0 + turn * f64::from(row) + 4.0 * sagitta_px * part * (1.0 - part) + noise()
+            };
+            assert!(!split_of::<16>(curve, white_px), "line {index}: {sagitta_px} px, {white_px} px of noise");
+        }
+    }
+
+    /// Two of six knots always lie on a straight line.
+    #[test]
+    fn what_is_straight_nowhere_stays_whole() {
+        let column_px = |row: u16| if (row / 64).is_multiple_of(2) { 300.0 } else { 308.0 };
+        let mut line: Line<8> = Line::new(point(0, column_px(0), 0.1));
+        (1..384).for_each(|row| line.push(point(row, column_px(row), 0.1)).expect("rows in order"));
+        assert_eq!(line.knots.len(), 6);
+        assert!(line.split().is_none());
+    }
+
+    /// What both parts know is what the whole line knew of their rows.
+    #[test]
+    fn both_parts_keep_what_they_know() {
+        let turning = |end: u16| move |row: u16| 300.0 + 0.25 * f64::from(row.saturating_sub(end));
+        for end in [175, 240, 304] {
+            let column_px = turning(end);
+            let mut first: Line<16> = line(column_px, 0.1);
+            let (whole, later) = (first.clone(), first.split().expect("two parts"));
+            assert!(later.first.row.abs_diff(end) <= 32, "{end}: {:?}", later.first);
+            // But for the knot in which it turns.
+            assert_eq!(first.points + later.points + 32, whole.points);
+            for part in [&first, &later] {
+                let rows = part.last.row - part.first.row + 1;
+                assert_eq!(part.points, rows, "{end}");
+                for knot in &part.knots {
+                    let points = i64::from(knot.points);
+                    let first_row = i64::from(part.first.row);
+                    let rows = first_row * points + i64::from(knot.rows);
+                    assert_eq!(part.first.time_ns * points + knot.times_ns, rows * 30_000);
+                    let mean_px = (part.first.column_q16 as f64 + knot.columns_q16 as f64 / points as f64) / 65536.0;
+                    let mean_row = rows as f64 / points as f64;
+                    let off_px = mean_px - 300.0 - 0.25 * (mean_row - f64::from(end)).max(0.0);
+                    assert!(off_px.abs() < 0.01, "{end}, row {mean_row}: {off_px}");
+                }
+            }
+        }
+    }
+}
