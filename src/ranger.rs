@@ -25,7 +25,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (180 + 40 `KNOTS`) + 24 `POINTS` + 188 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 184 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
