@@ -139,11 +139,23 @@ fn sigma_q16(knots: &[Knot], mean: &Mean) -> u64 {
     variances_q32.isqrt().checked_div(mean.points.into()).unwrap_or(0)
 }
 
+/// Where a line is cut in two.
+pub(super) struct Cut {
+    /// One beyond the last knot before, and the first one after.
+    kept: usize,
+    left: usize,
+    /// The last point before, and the first one after.
+    end: EdgePoint,
+    start: EdgePoint,
+    pub(super) points_before: u16,
+    pub(super) points_after: u16,
+}
+
 impl<const KNOTS: usize> Line<KNOTS> {
-    /// Splits a line that is straight in a part only, before or after that part: what comes later is handed back, as a
-    /// line of its own. The knot beside the straight part, in which the line turns, belongs to neither; there may be
-    /// none beyond it.
-    pub(super) fn split(&mut self) -> Option<Self> {
+    /// Where a line is to be cut that is straight in a part only: before or after that part. The knot beside the straight
+    /// part, in which the line turns, belongs to neither side; there may be none beyond it.
+    #[inline(never)] // its list takes room on the stack only while it is asked
+    pub(super) fn cut(&self) -> Option<Cut> {
         let mut means: Vec<Mean, KNOTS> = Vec::new();
         self.knots.iter().enumerate().filter_map(Mean::of).for_each(|mean| {
             // There is room: as many as knots.
@@ -152,25 +164,37 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let part = straight_part(&self.knots, &means)?;
         let turn = turn_beside(&means, &part)?;
         let (before, after) = (means.get(..turn)?, means.get(turn + 1..)?);
-        // One beyond the last knot before, and the first one after.
         let kept = before.last().map_or(0, |mean| usize::from(mean.knot) + 1);
         let left = after.first().map_or(self.knots.len(), |mean| usize::from(mean.knot));
         let end = before.last().map(|mean| self.point_along(mean, (kept << self.span_log2) - 1, &self.first));
         let start = after.first().map(|mean| self.point_along(mean, left << self.span_log2, &self.last));
-        let (end, start) = (end.unwrap_or(Some(self.first))?, start.unwrap_or(Some(self.last))?);
-        let from = Knot::of(&start, &self.first);
-        let mut later = self.clone();
-        later.knots.clear();
-        (later.first, later.points) = (start, 0);
-        for knot in self.knots.iter().skip(left) {
-            later.points = later.points.saturating_add(knot.points);
-            // There is room: they are fewer.
-            let _ = later.knots.push(knot.relative_to(&from));
+        let points_of = |means: &[Mean]| points(means).min(u16::MAX.into()) as u16;
+        Some(Cut {
+            kept,
+            left,
+            end: end.unwrap_or(Some(self.first))?,
+            start: start.unwrap_or(Some(self.last))?,
+            points_before: points_of(before),
+            points_after: points_of(after),
+        })
+    }
+
+    /// Gives up what comes after a cut.
+    pub(super) fn keep_before(&mut self, cut: &Cut) {
+        self.knots.truncate(cut.kept);
+        (self.last, self.points) = (cut.end, cut.points_before);
+    }
+
+    /// Gives up what comes before a cut.
+    pub(super) fn keep_after(&mut self, cut: &Cut) {
+        let from = Knot::of(&cut.start, &self.first);
+        for index in cut.left..self.knots.len() {
+            let Some(knot) = self.knots.get(index).map(|knot| knot.relative_to(&from)) else { break };
+            let Some(room) = self.knots.get_mut(index - cut.left) else { break };
+            *room = knot;
         }
-        self.knots.truncate(kept);
-        self.points = self.knots.iter().fold(0, |sum, knot| knot.points.saturating_add(sum));
-        self.last = end;
-        Some(later)
+        self.knots.truncate(self.knots.len().saturating_sub(cut.left));
+        (self.first, self.points) = (cut.start, cut.points_after);
     }
 
     /// A point of the line, so many rows after the first one: on the way from the mean of a knot to a point.
@@ -242,7 +266,7 @@ mod tests {
     }
 
     fn split_of<const KNOTS: usize>(column_px: impl FnMut(u16) -> f64, sigma_px: f64) -> bool {
-        line::<KNOTS>(column_px, sigma_px).split().is_some()
+        line::<KNOTS>(column_px, sigma_px).cut().is_some()
     }
 
     /// As lenses and turning cameras make them.
@@ -268,7 +292,7 @@ mod tests {
         let mut line: Line<8> = Line::new(point(0, column_px(0), 0.1));
         (1..384).for_each(|row| line.push(point(row, column_px(row), 0.1)).expect("rows in order"));
         assert_eq!(line.knots.len(), 6);
-        assert!(line.split().is_none());
+        assert!(line.cut().is_none());
     }
 
     /// What both parts know is what the whole line knew of their rows.
@@ -277,8 +301,11 @@ mod tests {
         let turning = |end: u16| move |row: u16| 300.0 + 0.25 * f64::from(row.saturating_sub(end));
         for end in [175, 240, 304] {
             let column_px = turning(end);
-            let mut first: Line<16> = line(column_px, 0.1);
-            let (whole, later) = (first.clone(), first.split().expect("two parts"));
+            let whole: Line<16> = line(column_px, 0.1);
+            let cut = whole.cut().expect("two parts");
+            let (mut first, mut later) = (whole.clone(), whole.clone());
+            first.keep_before(&cut);
+            later.keep_after(&cut);
             assert!(later.first.row.abs_diff(end) <= 32, "{end}: {:?}", later.first);
             // But for the knot in which it turns.
             assert_eq!(first.points + later.points + 32, whole.points);

@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use super::line::Line;
+use super::split::Cut;
 use super::track::{State, Track};
 use super::tuning::LEAST_PART_POINTS;
 use crate::edge::EdgePoint;
@@ -141,36 +142,39 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     pub(super) fn split_ended(&mut self, first: usize) -> u32 {
         let (mut index, mut strays) = (first, 0);
         while let Some(place) = self.ended.get(index).copied() {
-            let split = self.track_mut(place).and_then(|track| {
-                let points = track.line.points();
-                let later = track.split()?;
-                Some((points.saturating_sub(track.line.points()).saturating_sub(later.line.points()), later))
-            });
-            match split {
-                Some((between, later)) => strays += u32::from(between) + u32::from(self.place_part(place, later)),
+            match self.track(place).and_then(|track| track.line.cut()) {
+                Some(cut) => strays += u32::from(self.part_at(place, &cut)),
                 None => index += 1,
             }
         }
         strays
     }
 
-    /// Finds a place for the later part of a line. Number of points that are left out.
-    fn place_part(&mut self, place: u16, later: Track<KNOTS>) -> u16 {
-        let shorter = self.track(place).map_or(0, |earlier| earlier.line.points()).min(later.line.points());
-        let free = self.slots.iter().position(|slot| slot.track().is_none());
-        if shorter >= LEAST_PART_POINTS
-            && let Some(free) = free
-            && let Some(slot) = self.slots.get_mut(free)
-        {
-            *slot = Slot::Taken(later);
-            // There is room: one for each place.
-            let _ = self.ended.push(free as u16);
-            return 0;
+    /// Parts a line at a cut. Number of points that are left out.
+    fn part_at(&mut self, place: u16, cut: &Cut) -> u16 {
+        let shorter = cut.points_before.min(cut.points_after);
+        let later = if shorter < LEAST_PART_POINTS { None } else { self.copy(place) };
+        if let Some(later) = later.and_then(|later| self.track_mut(later)) {
+            later.line.keep_after(cut);
         }
-        if let Some(earlier) = self.track_mut(place).filter(|earlier| earlier.line.points() < later.line.points()) {
-            *earlier = later;
+        let Some(track) = self.track_mut(place) else { return 0 };
+        if later.is_some() || cut.points_before >= cut.points_after {
+            track.line.keep_before(cut);
+        } else {
+            track.line.keep_after(cut);
         }
-        shorter
+        if later.is_some() { 0 } else { shorter }
+    }
+
+    /// Puts the same line that has ended into a free place, too; that place, if there is one.
+    #[inline(never)] // the copy takes room on the stack only meanwhile
+    fn copy(&mut self, place: u16) -> Option<u16> {
+        let free = self.slots.iter().position(|slot| slot.track().is_none())?;
+        let copy = Slot::Taken(self.track(place)?.clone());
+        *self.slots.get_mut(free)? = copy;
+        // There is room: one for each place.
+        let _ = self.ended.push(free as u16);
+        Some(free as u16)
     }
 
     /// Forgets a line that has been left out. Number of its points.

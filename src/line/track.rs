@@ -57,12 +57,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
         track
     }
 
-    /// Splits its line, if it has a straight part; the later one of both.
-    pub(super) fn split(&mut self) -> Option<Self> {
-        let line = self.line.split()?;
-        Some(Self { line, ..self.clone() })
-    }
-
     /// Where the line should cross `row`, and how far off an edge there may lie.
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
