@@ -18,6 +18,7 @@ mod explained;
 mod candidates;
 mod refinement;
 mod steady;
+mod learning;
 mod tracker;
 
 pub(crate) use candidates::Candidates;

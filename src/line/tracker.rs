@@ -7,14 +7,15 @@ use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
 use super::explained::{Explained, Flanks, flank, is_alone};
 use super::jump::Jump;
+use super::learning::look_at;
 use super::line::Line;
 use super::refinement::Refinement;
 use super::steady::{locate_steady, take_steady};
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
-use super::tuning::{HIDDEN_ROWS, LOOK_ROWS, YOUNG_POINTS, models_a_row};
-use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Polarity, Untracked};
+use super::tuning::{HIDDEN_ROWS, YOUNG_POINTS};
+use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
 
@@ -156,8 +157,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.table.is_full()
     }
 
-    /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one
-    /// a model of their edge.
+    /// Lets the lines note what the pixels of their row show of them, and of what is beside them.
     pub(crate) fn look_at<P: Pixels>(
         &mut self,
         row: u16,
@@ -165,43 +165,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         noise_q8: u32,
         points: &[EdgePoint],
     ) {
-        let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
-        for index in 0..self.table.under_way().len() {
-            let Some(place) = self.table.under_way().get(index).copied() else { return };
-            let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-            if let Some(track) = self.table.track_mut(place).filter(is_seen) {
-                has_to_learn |= track.model.is_none();
-                if is_due && !track.is_unseen() {
-                    track.look_around(pixels);
-                }
-            }
-        }
-        if !has_to_learn {
-            return;
-        }
-        let mut last = (0, 0, 0);
-        for _ in 0..models_a_row(LINES) {
-            let Some(next) = self.newest_to_learn(row, last) else { return };
-            let (.., place) = next;
-            if let Some(track) = self.table.track_mut(place).filter(|track| track.is_unseen()) {
-                track.look_around(pixels);
-            }
-            self.learn(place, pixels, noise_q8, points);
-            last = next;
-        }
-    }
-
-    /// The newest line after the last one, by its points and its turn, of those that lack a model, and its place: one
-    /// that no model fits must not keep others from their turn.
-    fn newest_to_learn(&self, row: u16, last: (u16, u16, u16)) -> Option<(u16, u16, u16)> {
-        // Fewer than 2¹⁶.
-        let models = models_a_row(LINES) as u16;
-        let asking = self.table.under_way().iter().filter_map(|place| {
-            let track = self.table.track(*place).filter(|track| track.is_to_learn(row))?;
-            let turn = place.wrapping_sub(row.wrapping_mul(models)).checked_rem(LINES as u16)?;
-            Some((track.line.points(), turn, *place))
-        });
-        asking.filter(|line| *line > last).min()
+        look_at(&mut self.table, row, pixels, noise_q8, points);
     }
 
     #[cfg(test)]
@@ -213,23 +177,6 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     #[cfg(test)]
     pub(crate) fn models(&self) -> usize {
         self.table.tracks_under_way().filter(|track| track.model.is_some()).count()
-    }
-
-    /// Gives a line a model of its edge, from the row in which it was last seen, of which there are these other points.
-    fn learn<P: Pixels>(
-        &mut self,
-        place: u16,
-        pixels: PixelRow<'_, P>,
-        noise_q8: u32,
-        points: &[EdgePoint],
-    ) -> Option<()> {
-        let point = *self.table.track(place)?.line.last();
-        let of_row = self.table.tracks_under_way().filter(|track| track.line.last().row == point.row);
-        let lines = Neighbours::among(of_row.map(|track| track.line.last()), &point);
-        let untracked = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
-        let model = EdgeModel::settled(pixels, &point, lines.or_nearer(untracked), noise_q8);
-        self.table.track_mut(place)?.set_model(model, Untracked::of(untracked, point.column_q16));
-        Some(())
     }
 
     /// Takes the times of all lines of this frame from the readout.

@@ -1,0 +1,77 @@
+//! What the lines of a row of pixels note of them: how they stand out of what is around, and what their edge looks like.
+
+use super::table::Table;
+use super::track::{State, Track};
+use super::tuning::{LOOK_ROWS, models_a_row};
+use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Untracked};
+use crate::format::Pixels;
+
+/// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one a
+/// model of their edge.
+pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
+    table: &mut Table<LINES, KNOTS>,
+    row: u16,
+    pixels: PixelRow<'_, P>,
+    noise_q8: u32,
+    points: &[EdgePoint],
+) {
+    let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
+    for index in 0..table.under_way().len() {
+        let Some(place) = table.under_way().get(index).copied() else { return };
+        let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
+        if let Some(track) = table.track_mut(place).filter(is_seen) {
+            has_to_learn |= track.model.is_none();
+            if is_due && !track.is_unseen() {
+                track.look_around(pixels);
+            }
+        }
+    }
+    if !has_to_learn {
+        return;
+    }
+    let mut last = (0, 0, 0);
+    for _ in 0..models_a_row(LINES) {
+        let Some(next) = newest_to_learn(table, row, last) else { return };
+        let (.., place) = next;
+        if let Some(track) = table.track_mut(place).filter(|track| track.is_unseen()) {
+            track.look_around(pixels);
+        }
+        learn(table, place, pixels, noise_q8, points);
+        last = next;
+    }
+}
+
+/// The newest line after the last one, by its points and its turn, of those that lack a model, and its place: one that
+/// no model fits must not keep others from their turn.
+fn newest_to_learn<const LINES: usize, const KNOTS: usize>(
+    table: &Table<LINES, KNOTS>,
+    row: u16,
+    last: (u16, u16, u16),
+) -> Option<(u16, u16, u16)> {
+    // Fewer than 2¹⁶.
+    let models = models_a_row(LINES) as u16;
+    let asking = table.under_way().iter().filter_map(|place| {
+        let track = table.track(*place).filter(|track| track.is_to_learn(row))?;
+        let turn = place.wrapping_sub(row.wrapping_mul(models)).checked_rem(LINES as u16)?;
+        Some((track.line.points(), turn, *place))
+    });
+    asking.filter(|line| *line > last).min()
+}
+
+/// Gives a line a model of its edge, from the row in which it was last seen, of which there are these other points.
+fn learn<P: Pixels, const LINES: usize, const KNOTS: usize>(
+    table: &mut Table<LINES, KNOTS>,
+    place: u16,
+    pixels: PixelRow<'_, P>,
+    noise_q8: u32,
+    points: &[EdgePoint],
+) {
+    let Some(point) = table.track(place).map(|track| *track.line.last()) else { return };
+    let of_row = table.tracks_under_way().filter(|track| track.line.last().row == point.row);
+    let lines = Neighbours::among(of_row.map(|track| track.line.last()), &point);
+    let untracked = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
+    let model = EdgeModel::settled(pixels, &point, lines.or_nearer(untracked), noise_q8);
+    if let Some(track) = table.track_mut(place) {
+        track.set_model(model, Untracked::of(untracked, point.column_q16));
+    }
+}
