@@ -67,15 +67,17 @@ impl<S> Interval<S> {
 }
 
 impl<S: Scalar> Estimate<S> {
+    /// Becomes what is known of an edge.
+    // In place: a copy would need room.
     #[inline(never)]
-    pub(crate) fn new(state: &LineState<S>, setup: &Setup<S>, goodness_of_fit: &GoodnessOfFit<S>) -> Self {
+    pub(crate) fn set(&mut self, state: &LineState<S>, setup: &Setup<S>, goodness_of_fit: &GoodnessOfFit<S>) {
         let LineState { line3, covariance, sensitivity } = state;
         let across = cross([line3.bearing, S::ZERO, S::ONE], line3.gravity);
         let total = sensitivity.total(*covariance, setup, line3.bearing);
         let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma();
         // Nothing is known of an inverse depth that the motion does not show.
         let known = sigma_inverse_depth_per_m < S::UNKNOWN;
-        Self {
+        *self = Self {
             bearing: line3.bearing,
             inverse_depth_per_m: if known { line3.inverse_depth } else { S::ZERO },
             tilt: line3.tilt,
@@ -87,7 +89,7 @@ impl<S: Scalar> Estimate<S> {
             distance_per_depth: dot(across, across).sqrt(),
             misfit: goodness_of_fit.misfit,
             bent: goodness_of_fit.departure_px > S::from_ratio(i64::from(setup.limits().max_departure_q16), 1 << 16),
-        }
+        };
     }
 
     /// An estimate that says nothing.
@@ -136,6 +138,7 @@ impl<S: Scalar> Estimate<S> {
     }
 
     /// Whether each of its numbers is one.
+    #[inline(never)]
     pub(super) fn is_finite(&self) -> bool {
         let where_it_is = [self.bearing, self.inverse_depth_per_m, self.tilt, self.distance_per_depth];
         let how_well =

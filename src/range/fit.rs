@@ -19,11 +19,11 @@ use super::covariance::Covariance;
 use super::estimate::Estimate;
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
-use super::line3::Line3;
 use super::observation::Observer;
 use super::prior::{Prior, SampleSet};
 use super::problem::{Problem, Solved};
 use super::sample::{Sample, Spread};
+use super::sensitivity::Sensitivity;
 use super::settled::Settled;
 use super::status::RangeStatus;
 use super::unknowns::Unknowns;
@@ -61,74 +61,57 @@ pub fn fit<S: Scalar, M: Motion<S>, const N: usize>(
     motion: &M,
     samples: impl IntoIterator<Item = Sample<S>>,
 ) -> Result<Estimate<S>, FitError> {
-    let prior = Prior::new(None, None, S::ONE, SampleSet::default());
-    let mut state = LineState::NOTHING;
-    fit_with::<S, M, N, _>(setup, motion, || samples.into_iter(), &prior, &mut state)?.estimate(&state, setup)
+    let prior = Prior::new(None, SampleSet::default());
+    let mut estimate = Estimate::nothing();
+    fit_with::<S, M, N, _>(setup, motion, || samples.into_iter(), &prior, &mut estimate, None)?;
+    Ok(estimate)
 }
 
-/// How well the samples fit the line that they have told of.
+/// The line that samples have told of.
 pub(crate) struct Fitted<S, const N: usize> {
-    goodness_of_fit: GoodnessOfFit<S>,
-    /// Whether the camera has the line before it in all rows.
-    is_in_front: bool,
+    pub(crate) unknowns: Unknowns<S>,
     /// Which of the samples are inliers.
     pub(crate) inliers: Vec<bool, N>,
 }
 
-impl<S: Scalar, const N: usize> Fitted<S, N> {
-    pub(crate) fn estimate(&self, state: &LineState<S>, setup: &Setup<S>) -> Result<Estimate<S>, FitError> {
-        let estimate = Estimate::new(state, setup, &self.goodness_of_fit);
-        if !estimate.is_finite() {
-            return Err(FitError::Diverged);
-        }
-        // The equations do not know that a camera passes no edge within a frame.
-        let passes = estimate.status() == RangeStatus::Ok && !self.is_in_front;
-        Ok(Estimate { bent: estimate.bent || passes, ..estimate })
-    }
-}
-
-/// [`fit`] with a prior; `state` is what the samples have told, unless there is an error.
-// Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes. The largest part
-// of the outcome is written where it is to be: each place that it passes through would need room for it.
+/// [`fit`] with a prior; `estimate` and `kept` become what the samples have told, unless there is an error.
+// Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes. What is large is
+// written where it is to be: each place that it passes through would need room for it. Where nobody keeps the state, it
+// needs none while the rounds go on.
 #[inline(never)]
 pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item = Sample<S>>>(
     setup: &Setup<S>,
     motion: &M,
     samples: impl FnOnce() -> I,
     prior: &Prior<'_, S>,
-    state: &mut LineState<S>,
+    estimate: &mut Estimate<S>,
+    kept: Option<&mut LineState<S>>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let start = prior.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3);
     let mut problem = Problem::<S, N>::new(setup, prior);
-    problem.observe_all(motion, &start, samples)?;
+    problem.observe_all(motion, samples)?;
     let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
     let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
-    let inliers = problem.observations.iter().filter(|observation| observation.is_inlier).count();
+    let inliers = problem.observations.iter().filter(|observation| observation.normals.is_inlier).count();
     if inliers < least {
         return Err(FitError::TooFewSamples(inliers));
     }
-    problem.solve(&start.unknowns())?;
+    problem.solve()?;
     problem.settle_without_outliers()?;
     let half_to_twin = problem.tell_from_twin()?;
     let goodness_of_fit = problem.goodness_of_fit();
     problem.settle_with_wander()?;
-    problem.conclude(motion, &start, state);
-    if let Some(change) = half_to_twin {
-        state.covariance = state.covariance.and(change);
-    }
-    Ok(Fitted { goodness_of_fit, is_in_front: problem.last.is_in_front, inliers: problem.inliers() })
+    problem.conclude(motion, half_to_twin, &goodness_of_fit, estimate, kept)
 }
 
-impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     #[inline(never)]
     fn observe_all<M: Motion<S>, I: Iterator<Item = Sample<S>>>(
         &mut self,
         motion: &M,
-        start: &Line3<S>,
         samples: impl FnOnce() -> I,
     ) -> Result<(), FitError> {
         let Self { setup, prior, .. } = *self;
-        let mut observer = Observer::new(setup.camera(), motion, [start.gravity, start.lean]);
+        let mut observer = self.observer(motion);
         let roughness_px = setup.uncertainty().edge_roughness_px;
         for (index, sample) in samples().enumerate() {
             let Spread { column_px, row_px, time_s } = sample.spread;
@@ -140,11 +123,20 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             if roughness_px > S::ZERO {
                 seen.set_per_sigma(over(rough_sigma_px(&seen, roughness_px)));
             }
-            seen.is_inlier = !prior.left_out.contains(index);
+            seen.normals.is_inlier = !prior.left_out.contains(index);
             self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
         }
         self.share_reach();
         Ok(())
+    }
+
+    #[inline(never)]
+    fn observer<'m, M: Motion<S>>(&self, motion: &'m M) -> Observer<'m, S, M>
+    where
+        'a: 'm,
+    {
+        let start = self.prior.axes(motion);
+        Observer::new(self.setup.camera(), motion, [start.gravity, start.lean])
     }
 
     /// Positions in the unit of the farthest.
@@ -156,9 +148,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// The problem is linear but for tilt, blur, sigmas and the noise in q, which the first round leaves out.
     #[inline(never)]
-    fn solve(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
-        if self.prior.state.is_some() {
-            return self.settle_in_front(start);
+    fn solve(&mut self) -> Result<(), FitError> {
+        if let Some((state, _)) = self.prior.state {
+            return self.settle_in_front(&state.line3.unknowns());
         }
         if self.first_without_far_samples()? {
             return self.settle_best();
@@ -170,42 +162,95 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// With the sigmas that the residuals call for; the priors stay as they are.
     #[inline(never)]
     fn settle_with_wander(&mut self) -> Result<(), FitError> {
-        let Some(wander) = self.wander() else { return Ok(()) };
+        if self.allow_for_wander() { self.settle_again() } else { Ok(()) }
+    }
+
+    /// Takes the samples with the sigmas that the residuals call for, unless these are white noise as stated.
+    #[inline(never)]
+    fn allow_for_wander(&mut self) -> bool {
+        if self.prior.is_drawn {
+            return false;
+        }
+        let wander = Wander::of::<N>(&self.residuals(), self.setup, self.prior.width_px);
+        if let Some(wander) = &wander {
+            self.set_sigmas(wander);
+        }
+        wander.is_some()
+    }
+
+    #[inline(never)]
+    fn set_sigmas(&mut self, wander: &Wander<S>) {
         for (observation, equation) in self.observations.iter_mut().zip(&mut self.equations.observed) {
             let per_sigma = over(wander.sigma_px(observation));
             *equation = equation.near_scaled((per_sigma / observation.per_sigma()).factor(0));
             observation.set_per_sigma(per_sigma);
         }
-        self.settle_again()
     }
 
-    /// What the residuals show, unless that is white noise as stated.
     #[inline(never)]
-    fn wander(&self) -> Option<Wander<S>> {
-        if self.prior.is_drawn {
-            return None;
-        }
-        let mut residuals: Vec<_, N> = Vec::new();
+    fn residuals(&self) -> Vec<Residual<'_, S>, N> {
+        let mut residuals = Vec::new();
         let near = self.last.solution.near(self.equations.units);
         for (equation, observation) in self.equations.observed.iter().zip(&self.observations) {
-            if observation.is_inlier {
+            if observation.normals.is_inlier {
                 // There is room: as many as observations.
                 let _ = residuals.push(Residual::new(observation, near.deviation(equation)));
             }
         }
-        Wander::of::<N>(&residuals, self.setup, self.prior.width_px)
+        residuals
     }
 
-    /// What the settled fit says, with the errors that all samples share.
+    /// What the settled fit says.
     #[inline(never)]
-    fn conclude<M: Motion<S>>(&self, motion: &M, axes: &Line3<S>, state: &mut LineState<S>) {
-        let Solved { at, found, solution, .. } = &self.last;
-        let Self { setup, prior, observations, equations, .. } = self;
-        let direction = axes.with(*at).direction();
-        let settled = Settled { setup, motion, prior, observations, equations, at, direction, solution };
-        settled.sensitivity(&mut state.sensitivity);
-        state.line3 = axes.with(*found);
+    fn conclude<M: Motion<S>>(
+        &self,
+        motion: &M,
+        half_to_twin: Option<[S; 3]>,
+        goodness_of_fit: &GoodnessOfFit<S>,
+        estimate: &mut Estimate<S>,
+        kept: Option<&mut LineState<S>>,
+    ) -> Result<Fitted<S, N>, FitError> {
+        let mut own = None;
+        let state = kept.unwrap_or_else(|| own.insert(LineState::NOTHING));
+        self.state(motion, half_to_twin, state);
+        self.tell(state, goodness_of_fit, estimate)?;
+        Ok(Fitted { unknowns: self.last.found, inliers: self.inliers() })
+    }
+
+    #[inline(never)]
+    fn tell(
+        &self,
+        state: &LineState<S>,
+        goodness_of_fit: &GoodnessOfFit<S>,
+        estimate: &mut Estimate<S>,
+    ) -> Result<(), FitError> {
+        estimate.set(state, self.setup, goodness_of_fit);
+        if !estimate.is_finite() {
+            return Err(FitError::Diverged);
+        }
+        // The equations do not know that a camera passes no edge within a frame.
+        let passes = estimate.status() == RangeStatus::Ok && !self.last.is_in_front;
+        estimate.bent |= passes;
+        Ok(())
+    }
+
+    /// With the errors that all samples share.
+    #[inline(never)]
+    fn state<M: Motion<S>>(&self, motion: &M, half_to_twin: Option<[S; 3]>, state: &mut LineState<S>) {
+        self.sensitivity(motion, &mut state.sensitivity);
+        state.line3 = self.prior.axes(motion).with(self.last.found);
         state.covariance = self.covariance();
+        if let Some(change) = half_to_twin {
+            state.covariance = state.covariance.and(change);
+        }
+    }
+
+    #[inline(never)]
+    fn sensitivity<M: Motion<S>>(&self, motion: &M, sensitivity: &mut Sensitivity<S>) {
+        let Solved { at, solution, .. } = &self.last;
+        let Self { setup, prior, observations, equations, .. } = self;
+        let direction = prior.axes(motion).with(*at).direction();
+        Settled { setup, motion, prior, observations, equations, at, direction, solution }.sensitivity(sensitivity);
     }
 
     #[inline(never)]
@@ -216,11 +261,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         solution.covariance().and(unsettled)
     }
 
+    #[inline(never)]
     fn inliers(&self) -> Vec<bool, N> {
         let mut inliers = Vec::new();
         for observation in &self.observations {
             // There is room: as many as observations. `collect` could panic.
-            let _ = inliers.push(observation.is_inlier);
+            let _ = inliers.push(observation.normals.is_inlier);
         }
         inliers
     }
@@ -229,7 +275,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn goodness_of_fit(&self) -> GoodnessOfFit<S> {
         let near = self.last.solution.near(self.equations.units);
         let kept = self.equations.observed.iter().zip(&self.observations);
-        let kept = kept.filter(|(_, observation)| observation.is_inlier);
+        let kept = kept.filter(|(_, observation)| observation.normals.is_inlier);
         GoodnessOfFit::of(kept.map(|(equation, observation)| (near.deviation(equation), observation.per_sigma())))
     }
 }

@@ -48,6 +48,8 @@ pub(crate) struct Normals<S: Scalar> {
     pub(crate) down_per_px: Normal<S::Near>,
     pub(crate) lean_per_px: Normal<S::Near>,
     pub(crate) units: Units,
+    /// False once the robust fit has rejected the observation. Here there is a byte of room beside the units.
+    pub(crate) is_inlier: bool,
 }
 
 /// Exponents of the powers of two that [`Normals`] are in units of.
@@ -97,6 +99,7 @@ impl<S: Scalar> Normals<S> {
             down_per_px,
             lean_per_px,
             units: Units::new::<S::Near>(self.units.ray(), self.units.per_px(), reach),
+            is_inlier: self.is_inlier,
         }
     }
 }
@@ -111,8 +114,6 @@ pub(crate) struct Observation<S: Scalar> {
     rows: S::Kept,
     sigma_px: S::Kept,
     per_sigma: S::Kept,
-    /// False once the robust fit has rejected it.
-    pub(crate) is_inlier: bool,
 }
 
 /// Directions of the rays at the ends of a span, as their mean and half their difference, the middle position and half
@@ -167,7 +168,6 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
             rows: (spread.row_px * S::ratio(34_641_016, 10_000_000)).max(S::ONE).kept(),
             sigma_px: sigma_px.kept(),
             per_sigma: over(sigma_px).kept(),
-            is_inlier: true,
         })
     }
 
@@ -192,6 +192,7 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
             down_per_px: down(along_row),
             lean_per_px: lean(along_row),
             units,
+            is_inlier: true,
         }
     }
 

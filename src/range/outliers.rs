@@ -70,7 +70,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let near = solution.near(self.equations.units);
         let mut sizes = Vec::new();
         for (index, (equation, observation)) in self.equations.observed.iter().zip(&self.observations).enumerate() {
-            if observation.is_inlier {
+            if observation.normals.is_inlier {
                 let size = near.deviation::<S>(equation).abs();
                 // There is room: as many as observations.
                 let _ = sizes.push(scales.get(index).map_or(size, |scale| size * *scale));
@@ -94,9 +94,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let outliers = sizes.iter().filter(|size| **size > limit).count();
         let leave_out = outliers > 0 && 3 * (self.observations.len() - count + outliers) <= self.observations.len();
         let mut sizes = sizes.iter();
-        for observation in self.observations.iter_mut().filter(|observation| observation.is_inlier) {
+        for observation in self.observations.iter_mut().filter(|observation| observation.normals.is_inlier) {
             let is_outlier = sizes.next().is_some_and(|size| *size > limit);
-            observation.is_inlier = !(leave_out && is_outlier);
+            observation.normals.is_inlier = !(leave_out && is_outlier);
         }
         leave_out.then(|| solution.change())
     }

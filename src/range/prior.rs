@@ -3,8 +3,10 @@
 use super::blur::BlurMeasurement;
 use super::equation::Equation;
 use super::line_state::{LineState, Statement};
+use super::line3::Line3;
 use super::shared_error::SharedError;
 use super::unknowns::Unknowns;
+use crate::motion::Motion;
 use crate::scalar::{Scalar, dot, over};
 use crate::setup::Setup;
 
@@ -12,7 +14,7 @@ use crate::setup::Setup;
 #[derive(Clone, Copy)]
 pub(crate) struct Prior<'a, S: Scalar> {
     /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
-    pub(super) state: Option<(&'a LineState<S>, [Statement<S>; 3])>,
+    pub(super) state: Option<(&'a LineState<S>, &'a [Statement<S>; 3])>,
     pub(super) blur: Option<&'a BlurMeasurement<S>>,
     /// Blur of the edge, one sigma in pixels.
     pub(super) width_px: S,
@@ -62,15 +64,14 @@ impl<S: Scalar> PriorError<'_, S> {
 }
 
 impl<'a, S: Scalar> Prior<'a, S> {
-    // Not inlined: what it is made of would stay on the stack beside it.
-    #[inline(never)]
-    pub(super) fn new(
-        state: Option<&'a LineState<S>>,
-        blur: Option<&'a BlurMeasurement<S>>,
-        width_px: S,
-        left_out: SampleSet,
-    ) -> Self {
-        Self { state: state.map(|state| (state, state.statements())), blur, width_px, left_out, is_drawn: false }
+    /// Without the blur. An edge of earlier frames comes with its [`LineState::statements`].
+    pub(super) fn new(state: Option<(&'a LineState<S>, &'a [Statement<S>; 3])>, left_out: SampleSet) -> Self {
+        Self { state, blur: None, width_px: S::ONE, left_out, is_drawn: false }
+    }
+
+    /// The directions that samples are held against, and where the edge was.
+    pub(super) fn axes<M: Motion<S>>(&self, motion: &M) -> Line3<S> {
+        self.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3)
     }
 
     /// Its equations, linearised about `at`, each with what shared errors do to it. The blur may be left out: far from

@@ -83,7 +83,7 @@ fn observe<S: Scalar>(
     if residual.runs_along() {
         return None;
     }
-    if !observation.is_inlier || residual.per_px == none {
+    if !observation.normals.is_inlier || residual.per_px == none {
         return Some((Equation::NEAR_NOTHING, EquationUnits::SMALLEST, residual.is_in_front()));
     }
     // A pixel along the row in units of the noise.
@@ -214,7 +214,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let (mut of_y, mut of_sigmas) = (S::ZERO, S::ZERO);
         let units = self.equations.units;
         let (near, near_solution) = (found.near(units.reach), solution.near(units));
-        let mut pairs = self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.is_inlier);
+        let mut pairs =
+            self.observations.iter().zip(&self.equations.observed).filter(|(seen, _)| seen.normals.is_inlier);
         for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
             let Some((new, new_units, _)) = observe(observation, &near, Round::Later) else { return false };
             let new = new.whole::<S>(new_units);

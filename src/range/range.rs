@@ -11,6 +11,7 @@ use super::prior::{Prior, SampleSet};
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
 use super::tuning::{MOST_SHORT_MISFIT, ROUGHNESS_ROWS, SHORT_LENGTHS};
+use super::unknowns::Unknowns;
 use crate::edge::{EdgePoint, Polarity};
 use crate::error::FitError;
 use crate::line::Line;
@@ -56,7 +57,7 @@ impl<S: Scalar> Range<S> {
     /// *Cost*: a [`fit`](crate::fit) over the line's knots and a few rays.
     #[must_use]
     pub fn from_line<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
-        Self::continued(setup, motion, line, None, SampleSet::default(), &mut None)
+        Self::fitted(setup, motion, line, Prior::new(None, SampleSet::default()), None)
     }
 
     /// The range of a line of which earlier frames may have told something. `known` becomes what is known of it now;
@@ -69,7 +70,9 @@ impl<S: Scalar> Range<S> {
         left_out: SampleSet,
         known: &mut Option<LineState<S>>,
     ) -> Self {
-        Self::fitted(setup, motion, line, earlier, left_out, false, known)
+        let statements = earlier.map(LineState::statements);
+        let prior = Prior::new(earlier.zip(statements.as_ref()), left_out);
+        Self::fitted(setup, motion, line, prior, Some(known))
     }
 
     /// The range that is to be expected of an edge, from a line that is drawn where it will be seen.
@@ -78,34 +81,38 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
     ) -> Self {
-        Self::fitted(setup, motion, line, None, SampleSet::default(), true, &mut None)
+        let prior = Prior { is_drawn: true, ..Prior::new(None, SampleSet::default()) };
+        Self::fitted(setup, motion, line, prior, None)
     }
 
+    // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
+    #[inline(never)]
     fn fitted<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        earlier: Option<&LineState<S>>,
-        left_out: SampleSet,
-        is_drawn: bool,
-        known: &mut Option<LineState<S>>,
+        prior: Prior<'_, S>,
+        mut known: Option<&mut Option<LineState<S>>>,
     ) -> Self {
         let blur = BlurMeasurement::of_line(setup, motion, line);
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
-        let is_in_question = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && earlier.is_none();
+        let is_in_question = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && prior.state.is_none();
         let blur_enters = is_in_question && setup.widths_are_known();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
-        let entering = blur.as_ref().filter(|_| blur_enters);
-        let mut prior = Prior::new(earlier, entering, width_px, left_out);
-        prior.is_drawn = is_drawn;
-        let state = known.insert(LineState::NOTHING);
-        let fitted = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, state);
-        Self::told(setup, motion, line, &prior, blur.as_ref(), fitted, known)
+        let prior = Prior { blur: blur.as_ref().filter(|_| blur_enters), width_px, ..prior };
+        let kept = known.as_deref_mut().map(|known| known.insert(LineState::NOTHING));
+        let mut estimate = Estimate::nothing();
+        let fitted = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, &mut estimate, kept);
+        if let (Err(_), Some(known)) = (&fitted, known) {
+            *known = None;
+        }
+        let fitted = fitted.as_ref().map(|fitted| (fitted, &estimate)).map_err(|error| *error);
+        Self::told(setup, motion, line, &prior, blur.as_ref(), fitted)
     }
 
     /// What a fit with a prior has told, beside the blur, which need not have entered it.
-    // Not inlined: a range has room on the stack when the fit has left it.
+    // A range has room on the stack when the fit has left it.
     #[inline(never)]
     fn told<M: Motion<S>, const KNOTS: usize>(
         setup: &Setup<S>,
@@ -113,27 +120,21 @@ impl<S: Scalar> Range<S> {
         line: &Line<KNOTS>,
         prior: &Prior<'_, S>,
         blur: Option<&BlurMeasurement<S>>,
-        fitted: Result<Fitted<S, KNOTS>, FitError>,
-        known: &mut Option<LineState<S>>,
+        fitted: Result<(&Fitted<S, KNOTS>, &Estimate<S>), FitError>,
     ) -> Self {
         let mut range = Self::unfitted(line);
-        let filled = fitted.and_then(|fitted| {
-            // There is one of what has been fitted.
-            let state = known.as_ref().ok_or(FitError::Diverged)?;
-            range.fill(setup, motion, line, (&fitted, state), prior.state.is_none())?;
-            if let Some(blur) = blur {
-                range.compare_with_blur(blur, &state.line3, prior.blur.is_some());
+        match fitted {
+            Ok((fitted, estimate)) => {
+                range.estimate = *estimate;
+                range.fill(setup, motion, line, prior, fitted);
+                if let Some(blur) = blur {
+                    range.compare_with_blur(blur, &fitted.unknowns, prior.blur.is_some());
+                }
             }
-            Ok(())
-        });
-        match filled {
             Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
             Err(FitError::Diverged) => range.status = status_of(setup, line, &range.estimate),
             // A line of too few knots; the others cannot come from a line.
-            Ok(()) | Err(_) => {}
-        }
-        if filled.is_err() {
-            *known = None;
+            Err(_) => {}
         }
         range
     }
@@ -145,7 +146,8 @@ impl<S: Scalar> Range<S> {
         line: &Line<KNOTS>,
         state: &LineState<S>,
     ) -> Self {
-        let estimate = Estimate::new(state, setup, &GoodnessOfFit::NONE);
+        let mut estimate = Estimate::nothing();
+        estimate.set(state, setup, &GoodnessOfFit::NONE);
         let (top, bottom) = line.top_and_bottom();
         Self {
             status: status_of(setup, line, &estimate),
@@ -182,12 +184,12 @@ impl<S: Scalar> Range<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        (fitted, state): (&Fitted<S, KNOTS>, &LineState<S>),
-        is_single: bool,
-    ) -> Result<(), FitError> {
-        self.estimate = fitted.estimate(state, setup)?;
+        prior: &Prior<'_, S>,
+        fitted: &Fitted<S, KNOTS>,
+    ) {
+        let is_single = prior.state.is_none();
         let (top, bottom) = line.top_and_bottom();
-        let line3 = &state.line3;
+        let line3 = &prior.axes(motion).with(fitted.unknowns);
         self.column_at_first_row = column_at(setup, motion, line3, top);
         self.column_at_last_row = column_at(setup, motion, line3, bottom);
         self.points_used = line.points_in(fitted.inliers.iter().copied());
@@ -197,7 +199,6 @@ impl<S: Scalar> Range<S> {
         self.status = status
             .unless(Objection::FittedLean, leans)
             .unless(Objection::Clutter, is_single && self.is_by_chance(line));
-        Ok(())
     }
 
     /// Whether it does not stand out of what is around; or is so short, and scatters so much, that a wander of its edge
@@ -209,8 +210,8 @@ impl<S: Scalar> Range<S> {
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
-    fn compare_with_blur(&mut self, blur: &BlurMeasurement<S>, line3: &Line3<S>, blur_entered: bool) {
-        let path = blur.path(&line3.unknowns());
+    fn compare_with_blur(&mut self, blur: &BlurMeasurement<S>, found: &Unknowns<S>, blur_entered: bool) {
+        let path = blur.path(found);
         let sigma_per_m = self.estimate.sigma_inverse_depth_per_m;
         // An edge whose depth comes from its blur tells nothing of the lens, unless it hardly moves.
         let tells = |path: &Path<S>| !blur_entered || path.mean_square_px2() < S::ONE;

@@ -25,12 +25,14 @@ impl<S: Scalar> Sensitivity<S> {
     }
 
     /// The covariance from noise and priors, with the errors that all samples share.
+    #[inline(never)]
     pub(crate) fn total(&self, own: Covariance<S>, setup: &Setup<S>, bearing: S) -> Covariance<S> {
         let shared = self.scaled_by_sigma(setup, bearing).filter(|(error, _)| !error.is_in_prior());
         shared.fold(own, |sum, (_, effect)| sum.and(effect))
     }
 
     /// Which part of the inverse depth's sigma comes from where.
+    #[inline(never)]
     pub(crate) fn budget(&self, own: &Covariance<S>, setup: &Setup<S>, bearing: S) -> Budget<S> {
         let [_, independent_per_m, _] = own.sigma();
         let mut budget = Budget::of_noise(independent_per_m);

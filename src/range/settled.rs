@@ -47,7 +47,8 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
             // q is the change of y with the inverse depth, which a relative error of the speed does not differ from.
             *speed = solution.response_of_q(-at.inverse_depth);
         }
-        let inliers = observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.is_inlier);
+        let inliers =
+            observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.normals.is_inlier);
         for (observation, equation) in inliers.filter(|_| counts != [false; OF_EACH]) {
             let (equation, errors) = (&equation.whole(equations.units), self.errors(observation));
             for ((response, error), _) in of_each.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {

@@ -41,7 +41,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// The change of the inverse depth, from where the last round has found it, to the turning point of that parabola,
     /// where it is the curve of the line that tells the depth; and a sigma of it.
     fn turning_point(&self) -> Option<(S, S)> {
-        let is_inlier = |index: &usize| self.observations.get(*index).is_some_and(|observation| observation.is_inlier);
+        let is_inlier =
+            |index: &usize| self.observations.get(*index).is_some_and(|observation| observation.normals.is_inlier);
         let count = self.observations.len();
         let places =
             [(0..count).find(is_inlier)?, (count / 2..count).find(is_inlier)?, (0..count).rev().find(is_inlier)?];

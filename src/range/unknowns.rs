@@ -104,7 +104,7 @@ impl<N: Near> NearUnknowns<N> {
 
     /// A ray against this line: F is linear in the tilt.
     pub(super) fn residual<S: Scalar<Near = N>>(&self, normals: &Normals<S>) -> Residual<S> {
-        let Normals { down, lean, down_per_px, lean_per_px, units } = normals;
+        let Normals { down, lean, down_per_px, lean_per_px, units, .. } = normals;
         let per_tilt = self.offset(lean);
         let [per_bearing, per_inverse_depth] = self.per_place(down, lean);
         Residual {

@@ -72,37 +72,26 @@ impl<S: Scalar> Wander<S> {
     /// parallax no harm, but what neighbours and backgrounds do to it changes.
     pub(super) fn of<const N: usize>(residuals: &[Residual<'_, S>], setup: &Setup<S>, blur_px: S) -> Option<Self> {
         let roughness_px = setup.uncertainty().edge_roughness_px;
-        let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
-        let rows_per_s = S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64);
-        let extent = (last.time_s() - first.time_s()).abs() * rows_per_s;
-        if residuals.len() <= SPENT || extent == S::ZERO {
-            return None;
-        }
-        let ([first_u, _], [last_u, _]) = (first.bearings(), last.bearings());
-        let moved_px = (last_u - first_u).abs() * setup.camera().intrinsics().fx;
-        // A Gaussian's correlation with itself has an integral of 2√π of its sigmas.
-        let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
-        let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
-        let roughness_rows = S::from_i32(ROUGHNESS_ROWS);
-        let alike_rows = crossing_rows.min(longest).max(roughness_rows);
-        let none = S::ZERO;
+        let alike_rows = alike_rows(residuals, setup, blur_px)?;
+        let (none, mut shown) = (S::ZERO, Shown::NOTHING);
         if roughness_px == none {
             if is_white(residuals) {
                 return None;
             }
-            let shown = Shown::of::<N>(residuals, None);
+            shown.see::<N>(residuals, None);
             if shown.noise == S::ONE && shown.is_chance() {
                 return None;
             }
         }
-        let kernel = Kernel::<S, N>::new(residuals, alike_rows, rows_per_s);
-        let shown = Shown::of(residuals, Some(&kernel));
+        let kernel = Kernel::<S, N>::new(residuals, setup, alike_rows);
+        shown.see(residuals, Some(&kernel));
         let wander_px2 = shown.wander_px2(residuals, roughness_px);
         if shown.noise == S::ONE && wander_px2 == none {
             return None;
         }
-        let wander = Self { noise: shown.noise, wander_px2, alike_rows, inflation: S::ONE };
-        Some(Self { inflation: wander.inflation_with(residuals, &kernel), ..wander })
+        let mut wander = Self { noise: shown.noise, wander_px2, alike_rows, inflation: S::ONE };
+        wander.inflation = wander.inflation_with(residuals, &kernel);
+        Some(wander)
     }
 
     fn noise_px2(&self, stretch: &Observation<S>) -> S {
@@ -152,6 +141,7 @@ fn modes_and_spare(count: usize) -> [usize; 2] {
 
 /// Whether even all squares together were neither beyond chance in the modes nor in the noise beside them: most edges
 /// are straight, and need no modes.
+#[inline(never)]
 fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
     let squares =
         residuals.iter().fold(S::ZERO, |sum, residual| sum.plus_product(residual.deviation, residual.deviation));
@@ -163,6 +153,27 @@ fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
     modes > 0 && within(modes, WANDERING_SIGMAS) && within(spare, NOISY_SIGMAS)
 }
 
+fn rows_per_s<S: Scalar>(setup: &Setup<S>) -> S {
+    S::from_ratio(PS_PER_S, setup.readout().line_time_ps() as i64)
+}
+
+/// Over how many rows a wander is alike; `None` where there is nothing to be seen of one.
+// Not inlined, as other parts: what each of them needs then leaves the stack before the next one comes.
+#[inline(never)]
+fn alike_rows<S: Scalar>(residuals: &[Residual<'_, S>], setup: &Setup<S>, blur_px: S) -> Option<S> {
+    let (first, last) = (residuals.first()?.stretch, residuals.last()?.stretch);
+    let extent = (last.time_s() - first.time_s()).abs() * rows_per_s(setup);
+    if residuals.len() <= SPENT || extent == S::ZERO {
+        return None;
+    }
+    let ([first_u, _], [last_u, _]) = (first.bearings(), last.bearings());
+    let moved_px = (last_u - first_u).abs() * setup.camera().intrinsics().fx;
+    // A Gaussian's correlation with itself has an integral of 2√π of its sigmas.
+    let crossing_rows = S::ratio(3_545, 1_000) * blur_px * extent / moved_px;
+    let longest = extent * S::ratio(LONGEST_WANDER.0, LONGEST_WANDER.1);
+    Some(crossing_rows.min(longest).max(S::from_i32(ROUGHNESS_ROWS)))
+}
+
 /// Correlation of the wander from stretch to stretch.
 struct Kernel<S: Scalar, const N: usize> {
     /// Correlation with the stretch before, and what averaging within the stretch leaves of the wander.
@@ -171,9 +182,9 @@ struct Kernel<S: Scalar, const N: usize> {
 
 impl<S: Scalar, const N: usize> Kernel<S, N> {
     #[inline(never)]
-    fn new(residuals: &[Residual<'_, S>], alike_rows: S, rows_per_s: S) -> Self {
+    fn new(residuals: &[Residual<'_, S>], setup: &Setup<S>, alike_rows: S) -> Self {
         let (length, mut kernel) = (alike_rows.half(), Self { links: Vec::new() });
-        let (lengths_per_s, length_of_three) = (rows_per_s / length, length * S::from_i32(3));
+        let (lengths_per_s, length_of_three) = (rows_per_s(setup) / length, length * S::from_i32(3));
         let mut before = residuals.first().map_or(S::ZERO, |residual| residual.stretch.time_s());
         let (mut rows, mut kept) = (S::ZERO, S::ZERO);
         for Residual { stretch, .. } in residuals {
@@ -222,13 +233,18 @@ struct Shown<S> {
 }
 
 impl<S: Scalar> Shown<S> {
+    /// Before they are looked at.
+    const NOTHING: Self =
+        Self { noise: S::ONE, share: S::ONE, power: S::ZERO, of_noise: S::ZERO, of_wander: S::ZERO, modes: 0 };
+
     /// Without a kernel: of white noise that is all of the sigma, so that each mode has one square of it.
+    // In place: a copy would need room.
     #[inline(never)]
-    fn of<const N: usize>(residuals: &[Residual<'_, S>], kernel: Option<&Kernel<S, N>>) -> Self {
+    fn see<const N: usize>(&mut self, residuals: &[Residual<'_, S>], kernel: Option<&Kernel<S, N>>) {
         let none = S::ZERO;
         let [modes, _] = modes_and_spare(residuals.len());
         let of_noise = if kernel.is_none() { S::from_i32(modes as i32) } else { none };
-        let mut shown = Self { noise: S::ONE, share: S::ONE, power: none, of_noise, of_wander: none, modes };
+        *self = Self { of_noise, modes, ..Self::NOTHING };
         let (mut rest, mut stated) = (none, none);
         for residual in residuals {
             let (deviation, noise) = (residual.deviation, residual.noise());
@@ -247,19 +263,23 @@ impl<S: Scalar> Shown<S> {
             let power = along * along * mode.per_square();
             rest = rest - power;
             if order >= SPENT {
-                shown.power = shown.power + power;
+                self.power = self.power + power;
                 if let Some(kernel) = kernel {
-                    let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise());
-                    let of_noise = of_noise.fold(none, |sum, part| sum.plus_product(part, part));
-                    let weights =
-                        mode.values().zip(residuals).map(|(part, residual)| part * residual.stretch.per_sigma());
-                    shown.of_noise = shown.of_noise + of_noise * mode.per_square();
-                    shown.of_wander = shown.of_wander + kernel.variance(weights) * mode.per_square();
+                    self.expect(residuals, kernel, &mode);
                 }
             }
         }
-        shown.judge_noise(residuals.len(), rest, stated);
-        shown
+        self.judge_noise(residuals.len(), rest, stated);
+    }
+
+    /// What noise and a wander of 1 px have in a mode.
+    #[inline(never)]
+    fn expect<const N: usize>(&mut self, residuals: &[Residual<'_, S>], kernel: &Kernel<S, N>, mode: &Modes<S, N>) {
+        let of_noise = mode.values().zip(residuals).map(|(part, residual)| part * residual.noise());
+        let of_noise = of_noise.fold(S::ZERO, |sum, part| sum.plus_product(part, part));
+        let weights = mode.values().zip(residuals).map(|(part, residual)| part * residual.stretch.per_sigma());
+        self.of_noise = self.of_noise + of_noise * mode.per_square();
+        self.of_wander = self.of_wander + kernel.variance(weights) * mode.per_square();
     }
 
     /// What changes from stretch to stretch is noise. `rest` is left of the squares beside the modes, and `stated` the
@@ -281,6 +301,7 @@ impl<S: Scalar> Shown<S> {
     }
 
     /// Variance of the wander.
+    #[inline(never)]
     fn wander_px2(&self, residuals: &[Residual<'_, S>], roughness_px: S) -> S {
         let of_noise = self.of_noise * self.noise;
         let shown_px2 = (self.power - of_noise).max(S::ZERO) * over(self.of_wander);
