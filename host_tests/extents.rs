@@ -2,7 +2,7 @@
 
 use core::ops::Range as Rows;
 
-use shutter_range::{Motion, Range, RangeStatus, Sequence};
+use shutter_range::{EdgePoint, Motion, Range, RangeStatus, Sequence};
 
 use crate::journey::{Disturbance, Journey, Post, errors, seed};
 use crate::scenes::{TENTH_DEGREE, line_of, tilt_of};
@@ -70,8 +70,18 @@ fn edges_above_each_other_are_two() {
                 assert_eq!((range.status, range.frames), (RangeStatus::Ok, frame + 1), "seed {number}: {range:?}");
                 let (_, sigmas) = errors(range, &journey.truth(post, frame));
                 assert!(sigmas.abs() < 4.5, "seed {number}, frame {frame}: {sigmas}");
+                assert_drawn_in_place(range, &journey, post, frame);
             }
         }
+    }
+}
+
+/// A line is told where it is in this frame, whatever was known of it.
+fn assert_drawn_in_place(range: &Range<f64>, journey: &Journey, post: &Post, frame: u32) {
+    let ends = [(range.first_row, range.column_at_first_row), (range.last_row, range.column_at_last_row)];
+    for (row, column) in ends {
+        let truth = journey.column(post, frame, row).expect("in the image");
+        assert!((column - truth).abs() < 0.25, "frame {frame}, row {row}: {column}, not {truth}");
     }
 }
 
@@ -87,9 +97,39 @@ fn only_rows_that_edges_share_are_left_out() {
                 assert_eq!((range.status, range.frames), (RangeStatus::Ok, frame + 1), "seed {number}: {range:?}");
                 let (_, sigmas) = errors(range, &journey.truth(post, frame));
                 assert!(sigmas.abs() < 4.5, "seed {number}, frame {frame}: {sigmas}");
+                assert_drawn_in_place(range, &journey, post, frame);
                 shared_alone += u32::from(is_beside && range.points_used < range.points);
             }
         }
     }
     assert!(shared_alone > 0, "while they pass each other some rows are left out");
+}
+
+/// The line of a known edge that runs on past its end, along something beside it: what it has told stays, and only the
+/// rows of the edge itself count.
+#[test]
+fn where_a_line_runs_on_past_a_known_edge_it_is_left_out() {
+    for number in 0..4 {
+        let random = &mut seed(number);
+        let journey = Journey::vga();
+        let post = Post::at(-0.24, 2.0);
+        let setup = journey.setup(tilt_of(TENTH_DEGREE));
+        let mut sequence: Sequence<f64, 4> = Sequence::new();
+        for frame in 0..6 {
+            let mut points = journey.points(&[post], frame, random);
+            let beyond = |point: &&mut EdgePoint| frame > 3 && point.row >= 290;
+            points.iter_mut().filter(beyond).for_each(|point| point.column_q16 += 2 << 16);
+            let motion = journey.known(frame, Disturbance::default());
+            let mut told = vec![];
+            sequence.lines(&setup, &motion, &[line_of::<16>(&points)], |range| told.push(range));
+            let [range] = told.as_slice() else { panic!("{told:#?}") };
+            assert_eq!((range.status, range.frames), (RangeStatus::Ok, frame + 1), "seed {number}: {range:?}");
+            let (relative, sigmas) = errors(range, &journey.truth(&post, frame));
+            assert!(sigmas.abs() < 4.5, "seed {number}, frame {frame}: {sigmas}");
+            assert!(frame < 3 || relative.abs() < 0.003, "seed {number}, frame {frame}: {relative}");
+            assert!(frame < 4 || (200..300).contains(&range.points_used), "{}", range.points_used);
+            let interval_s = journey.interval_s;
+            sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity()).expect("sound gravity");
+        }
+    }
 }

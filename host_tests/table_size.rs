@@ -3,7 +3,7 @@
 use shutter_range::{EdgePoint, Motion, RangeStatus, Ranger, Sequence};
 
 use crate::journey::{Disturbance, Journey, Post, seed};
-use crate::scenes::{TENTH_DEGREE, tilt_of};
+use crate::scenes::{TENTH_DEGREE, line_of, tilt_of};
 
 const FRAMES: u32 = 150;
 /// Frames that tell tilt from distance.
@@ -82,4 +82,26 @@ fn table_size_is_a_quarter_more_than_lines() {
     assert!(share(quarter_more) > 0.995 * share(all) && quarter_more.dropped == 0, "{}", share(quarter_more));
     assert!((0.9..0.995).contains(&(share(as_many) / share(all))), "{}", share(as_many));
     assert!(share(half) < 0.7 * share(all) && half.dropped > 0, "{}", share(half));
+}
+
+/// A full table gives up what too few frames agree on before an edge that is known, though hidden for longer.
+#[test]
+fn a_tentative_edge_goes_before_one_that_is_hidden_for_longer() {
+    let random = &mut seed(81);
+    let journey = Journey::vga();
+    let setup = journey.setup(tilt_of(TENTH_DEGREE));
+    let [known, weak, new] = [Post::at(-0.3, 2.0), Post::at(0.0, 2.0), Post::at(0.3, 2.0)];
+    let mut sequence: Sequence<f64, 2> = Sequence::new();
+    let mut told = vec![];
+    for (frame, post) in (0..).zip([known, known, known, weak, new, known]) {
+        let mut points = journey.points(&[post], frame, random);
+        // Seven rows are short.
+        points.retain(|point| frame != 3 || (200..207).contains(&point.row));
+        let motion = journey.known(frame, Disturbance::default());
+        sequence.lines(&setup, &motion, &[line_of::<16>(&points)], |range| told.push((range.line_id, range.frames)));
+        let interval_s = journey.interval_s;
+        sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity()).expect("sound gravity");
+    }
+    // What is short has a name of its own, which is told once frames agree.
+    assert_eq!(told, [(Some(0), 1), (Some(0), 2), (Some(0), 3), (None, 1), (Some(2), 1), (Some(0), 4)]);
 }

@@ -107,6 +107,11 @@ fn a_sequence_learns_the_vertical() {
             sequence.advance(&setup, &pose, journey.interval_s, vertical.gravity()).expect("sound gravity");
         }
         assert!(told >= 6, "{told} posts told");
+        // Ten seconds without an edge: 0.3° each.
+        let known = vertical.sigma_rad();
+        vertical.advance(&journey.known(8, Disturbance::default()).pose(0.0), 10.0);
+        let grown = vertical.sigma_rad();
+        assert!((grown - known.hypot(0.05)).abs() < 1e-9, "{known}, {grown}");
     }
 }
 
@@ -233,10 +238,16 @@ fn few_lines_tell_no_vertical() {
     let journey = Journey::vga();
     let setup = journey.setup(Uncertainty::NONE);
     let mut vertical = Vertical::level();
-    for posts in [vec![], posts()[..4].to_vec()] {
+    let motion = Assumed { known: journey.known(0, Disturbance::default()), gravity: vertical.gravity() };
+    // All over the image.
+    let some = |places: &[usize]| places.iter().map(|place| posts()[*place]).collect::<Vec<_>>();
+    let of_one_bearing = || (0..6).map(|k| Post::at(0.1 + 0.01 * f64::from(k), 3.0)).collect();
+    for posts in [vec![], some(&[1, 4, 6, 9]), of_one_bearing()] {
         let lines = lines(&journey, &setup, &posts, 0, random);
-        let motion = Assumed { known: journey.known(0, Disturbance::default()), gravity: vertical.gravity() };
+        assert_eq!(lines.len(), posts.len());
         assert!(!vertical.begin(&setup, &motion, lines.iter()));
         assert_eq!(vertical, Vertical::level());
     }
+    let lines = lines(&journey, &setup, &some(&[1, 4, 6, 8, 9]), 0, random);
+    assert!(vertical.begin(&setup, &motion, lines.iter()), "five are enough");
 }

@@ -23,8 +23,8 @@ pub enum RangeStatus {
     Leaning,
     /// Several frames show the edge where a static one cannot be.
     Moving,
-    /// In a sequence: the line alone would be refused as cluttered or short, or is new where other edges are known, and
-    /// too few frames agree yet.
+    /// In a sequence: the line alone would be refused as cluttered or short, or is new where other edges are known or
+    /// wholly beside one of them, and too few frames agree yet.
     Tentative,
     /// No straight edge fits: a part departs by more than
     /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the
@@ -54,7 +54,7 @@ pub(crate) enum Objection {
     /// The fit itself tells a lean that the prior excludes.
     FittedLean,
     Motion,
-    /// Too few frames agree on a weak line.
+    /// Too few frames agree on a weak line, or on a new one.
     FewFrames,
 }
 

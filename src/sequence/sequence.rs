@@ -36,9 +36,13 @@ use crate::setup::Setup;
 /// [`Moving`](crate::RangeStatus::Moving), until 30 frames in a row have agreed with a static edge again. An object
 /// that is more than three pixels and four sigma off its prediction is taken for another edge.
 ///
+/// What begins where four edges are known, or wholly beside one of them, is a chance line more often than an edge: its
+/// status is [`Tentative`](crate::RangeStatus::Tentative) until three frames agree.
+///
 /// *Room*: a landmark for each line of a frame that has a place in space, and a quarter more for edges that are hidden
 /// for a while (measured in docs/model.md, section 8.6). When the table is full, the landmark that has not been seen
-/// for longest goes first, a tentative one before all others.
+/// for longest goes first, a tentative one before all others. A line for which there is no room is told as that of a
+/// single frame, without a name.
 ///
 /// *Memory*: 208 bytes for each landmark in `f32`, and 48.
 ///
@@ -79,7 +83,7 @@ pub struct Sequence<S, const LANDMARKS: usize> {
     /// From the frame before to this one; zero at the start.
     interval_s: S,
     continuity: Continuity<S>,
-    /// Known edges are where `interval_s` has them.
+    /// Enough known edges are where `interval_s` has them: they vouch for the time, and for what else there is.
     interval_is_shown: bool,
     /// Lines of this frame.
     lines: u16,
@@ -182,6 +186,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// Forgets all edges, for when the motion to the next frame is not known. Their names are not used again.
     pub fn clear(&mut self) {
         self.landmarks.clear();
+        self.interval_is_shown = false;
     }
 
     /// Whether the last frame has shown the known edges where they should be, or all of them off alike.
