@@ -106,3 +106,27 @@ fn after_a_restart_nothing_is_a_newcomer() {
         sequence.advance(&setup, &motion.pose(interval_s), interval_s, motion.gravity()).expect("sound gravity");
     }
 }
+
+/// Edges of the first frame that pass each other in the next ones are not new, although these teach nothing of them.
+#[test]
+fn known_edges_that_pass_each_other_stay_told() {
+    let path = Path { rate_rad_s: [0.05, -0.3, 0.1], ..Path::straight([-1.5, 0.05, 0.2]) };
+    let journey = Journey { path, ..Journey::vga() };
+    let post = |k: u32| {
+        let depth_m = 1.0 + f64::from(k % 5);
+        let polarity = if k.is_multiple_of(2) { Polarity::Rising } else { Polarity::Falling };
+        Post { polarity, ..Post::at((0.06 * f64::from(k) - 0.45) * depth_m, depth_m) }
+    };
+    let posts: Vec<_> = (0..16).map(post).collect();
+    for number in 0..4 {
+        let random = &mut seed(number);
+        let mut drive: Drive<f64, _> = Drive::new(journey.setup(tilt_of(TENTH_DEGREE)), journey.interval_s, |frame| {
+            journey.known(frame, Disturbance::default())
+        });
+        for frame in 0..6 {
+            let ranges = drive.frame(&journey.points(&posts, frame, random));
+            let told = ranges.iter().filter(|range| range.status == RangeStatus::Ok).count();
+            assert!(told >= 14, "seed {number}, frame {frame}: {told} of {}", ranges.len());
+        }
+    }
+}

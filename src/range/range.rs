@@ -150,7 +150,8 @@ impl<S: Scalar> Range<S> {
         estimate.set(state, setup, &GoodnessOfFit::NONE);
         let (top, bottom) = line.top_and_bottom();
         Self {
-            status: status_of(setup, line, &estimate),
+            // However short the line is that hides it.
+            status: estimate.status(),
             estimate,
             column_at_first_row: column_at(setup, motion, &state.line3, top),
             column_at_last_row: column_at(setup, motion, &state.line3, bottom),

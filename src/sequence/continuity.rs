@@ -110,7 +110,7 @@ impl<S: Scalar> Census<S> {
 /// Some of the edges that frames have shown lately, from all over the image.
 pub(super) fn asked<S: Scalar>(known: &[Landmark<S>]) -> impl Iterator<Item = &Landmark<S>> {
     let is_asked =
-        |landmark: &&Landmark<S>| !landmark.is_tentative && landmark.hold_off == 0 && landmark.missed <= MOST_HIDDEN;
+        |landmark: &&Landmark<S>| !landmark.is_tentative() && landmark.hold_off == 0 && landmark.missed <= MOST_HIDDEN;
     let step = known.iter().filter(is_asked).count().div_ceil(MOST_ASKED).max(1);
     known.iter().filter(is_asked).step_by(step)
 }

@@ -31,8 +31,7 @@ pub(crate) struct Landmark<S> {
     pub(crate) hold_off: u16,
     /// Of its last line, in grey levels; zero where it is not known.
     pub(crate) contrast: u8,
-    /// The frames so far may agree by chance: it is not told.
-    pub(crate) is_tentative: bool,
+    pub(crate) evidence: Evidence,
     /// How many lines of this frame run beside it as it would.
     pub(crate) parallel_lines: u8,
     /// How often lines that have nothing to do with each other agree as well as those of its frames, for each line that
@@ -46,6 +45,18 @@ pub(crate) struct Landmark<S> {
     pub(crate) state: LineState<S>,
     /// Which part of the line the edge was last seen on.
     pub(crate) extent: Extent<S>,
+}
+
+/// What speaks for an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) enum Evidence {
+    /// One frame has shown it well, or several agree.
+    Enough,
+    /// One frame has shown it well, but where the edges of the scene were known: three must agree.
+    Newcomer,
+    /// No frame has shown it well: three must agree, and better than by chance. It is not told.
+    Weak,
 }
 
 /// A line of this frame, by its place in the table that it comes from.
@@ -74,7 +85,7 @@ impl<S: Scalar> Landmark<S> {
     pub(crate) fn new(
         id: u32,
         observation: &LineObservation<S>,
-        is_tentative: bool,
+        evidence: Evidence,
         state: LineState<S>,
         extent: Extent<S>,
     ) -> Self {
@@ -85,7 +96,7 @@ impl<S: Scalar> Landmark<S> {
             frames: 1,
             missed: 0,
             hold_off: 0,
-            is_tentative,
+            evidence,
             parallel_lines: 0,
             chance: S::ONE,
             column_px: S::ZERO,
@@ -132,7 +143,7 @@ impl<S: Scalar> Landmark<S> {
         let is_doubtful = distance > stated * S::from_i32(DOUBTFUL_SIGMAS);
         // Where no edge is known yet, none can have moved.
         let contrast = contrast_square(self.contrast, observation.contrast);
-        let fits = comparison.square + contrast <= gate && !(self.is_tentative && has_moved);
+        let fits = comparison.square + contrast <= gate && !(self.is_tentative() && has_moved);
         fits.then_some(Match {
             place,
             cost: comparison.cost + contrast,
@@ -233,8 +244,22 @@ impl<S: Scalar> Landmark<S> {
     ///
     /// `is_unsure`: the range is what two frames have told, of which nothing shows that their time was right.
     pub(crate) fn name(&mut self, range: Range<S>, most_chance: S, is_unsure: bool) -> Range<S> {
-        self.is_tentative &= self.frames < TELLING_FRAMES || self.chance > most_chance;
-        range.named(self.id, self.frames, self.hold_off > 0, self.is_tentative || is_unsure)
+        if self.frames >= TELLING_FRAMES && (self.evidence == Evidence::Newcomer || self.chance <= most_chance) {
+            self.evidence = Evidence::Enough;
+        }
+        range.named(self.id, self.frames, self.hold_off > 0, self.is_tentative() || is_unsure)
+    }
+
+    /// Whether it may be no edge, or a frame may have shown another one instead, more often than not where most edges of
+    /// a scene are known: where fewer than three frames have shown one that is new, or two agree no better than by chance.
+    pub(crate) fn may_be_chance(&self, most_chance: S) -> bool {
+        let is_new = self.evidence == Evidence::Newcomer;
+        self.frames < TELLING_FRAMES && (is_new || self.frames == 2 && self.chance > most_chance)
+    }
+
+    /// Whether the frames so far may agree by chance, whatever else is known.
+    pub(super) fn is_tentative(&self) -> bool {
+        self.evidence == Evidence::Weak
     }
 
     /// Whether an observation of another line lies so near to the predicted edge that the two shift each other.

@@ -143,7 +143,7 @@ impl<S: Scalar, const N: usize> LandmarkTable<S, N> {
     /// never replaced.
     fn replace_unseen(&mut self, newcomer: Landmark<S>) -> Result<(), Landmark<S>> {
         let unseen = self.landmarks.iter_mut().filter(|landmark| landmark.matched.is_none());
-        match unseen.max_by_key(|landmark| (landmark.is_tentative, landmark.missed)) {
+        match unseen.max_by_key(|landmark| (landmark.is_tentative(), landmark.missed)) {
             Some(place) => {
                 // The order of the table stays; the newcomer has no part in this frame any more.
                 *place = Landmark { column_px: place.column_px, reach_px: place.reach_px, ..newcomer };

@@ -2,12 +2,12 @@
 
 use super::continuity::{Census, Continuity};
 use super::extent::Extent;
-use super::landmark::{Landmark, UnsureTime, is_informative, may_begin};
+use super::landmark::{Evidence, Landmark, UnsureTime, is_informative, may_begin};
 use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::time_shift::{TimeShift, Vote};
-use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX, TELLING_FRAMES};
+use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
@@ -302,9 +302,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             };
             unsure.map_or(range, anew)
         };
-        // Where the edges of a scene are known, what is new among them is a chance line more often than an edge.
-        let is_new = self.interval_is_shown && landmark.frames < TELLING_FRAMES;
-        landmark.name(range, most_chance, time_is_unsure || is_new)
+        let is_doubtful = self.interval_is_shown && landmark.may_be_chance(most_chance);
+        landmark.name(range, most_chance, time_is_unsure || is_doubtful)
     }
 
     /// The columns of a line, and which of its samples lie so near to a known edge at another depth that the two blend:
@@ -334,7 +333,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
                     Some(own) => landmark.id != own.id && landmark.state.is_apart(&own.state),
                     None => landmark.frames > 1 && landmark.matched.is_some(),
                 };
-                is_other && !landmark.is_tentative && landmark.is_near(&row, &seen, near_px)
+                is_other && !landmark.is_tentative() && landmark.is_near(&row, &seen, near_px)
             };
             let is_off = own.as_ref().is_some_and(|own| own.is_off(setup, &seen));
             if is_off || self.landmarks.around(columns_px).any(blends) {
@@ -374,14 +373,19 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
             RangeStatus::Ok => !line.stands_out(CLEAR_TIMES),
             status => !is_informative(status) || range.is_short_part_of(setup.readout()),
         };
-        let landmark = Landmark::new(id, &observation, is_weak, state, extent);
+        let evidence = match (is_weak, self.interval_is_shown) {
+            (true, _) => Evidence::Weak,
+            (false, true) => Evidence::Newcomer,
+            (false, false) => Evidence::Enough,
+        };
+        let landmark = Landmark::new(id, &observation, evidence, state, extent);
         if self.landmarks.insert(landmark).is_err() {
             self.dropped_lines = self.dropped_lines.saturating_add(1);
             return range;
         }
         self.next_id = self.next_id.wrapping_add(1);
-        let is_tentative = is_weak || self.interval_is_shown;
-        if is_informative(range.status) { range.named(id, 1, false, is_tentative) } else { range }
+        let is_told = evidence == Evidence::Enough;
+        if is_informative(range.status) { range.named(id, 1, false, !is_told) } else { range }
     }
 }
 

@@ -22,7 +22,7 @@ struct Limits {
 const LIMITS: [Limits; 3] = [
     Limits { program: "microbit_lines", backend: BackEnd::F32, opt: Opt::Speed, flash: 129 * 1024, ram: 10 * 1024 },
     Limits { program: "microbit_ranges", backend: BackEnd::F32, opt: Opt::Size, flash: 125 * 1024, ram: 11 * 1024 },
-    Limits { program: "microbit_ranges", backend: BackEnd::Fixed, opt: Opt::Size, flash: 141 * 1024, ram: 11 * 1024 },
+    Limits { program: "microbit_ranges", backend: BackEnd::Fixed, opt: Opt::Size, flash: 141 * 1024, ram: 12 * 1024 },
 ];
 
 pub(crate) fn run() -> Result<()> {
