@@ -93,12 +93,8 @@ impl Across {
         let starts = (0..pixels.columns() / STRETCH).map(|stretch| stretch * STRETCH);
         let middles = || starts.clone().map(|from| middle(pixels, from));
         let is_mosaic = pixels.mosaic_row().is_some();
-        // Once in a scanner's life: one loop for both takes half of the flash.
-        let differences: [fn([u8; 2 * WINDOW], bool) -> u32; 2] =
-            [second_difference, |pixels, _| sliding_difference(pixels)];
-        let usual =
-            |of: fn([u8; 2 * WINDOW], bool) -> u32| usual_size(|| middles().map(|pixels| of(pixels, is_mosaic)));
-        [self.second_q8, self.difference_q8] = differences.map(usual);
+        self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
+        self.difference_q8 = usual_size(|| middles().map(sliding_difference));
     }
 }
 
@@ -236,14 +232,14 @@ fn approach(median_q8: &mut u32, value: u32) {
 
 /// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.
 fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
-    let (mut mean_q8, mut most) = (0, u32::MAX);
+    let mean_up_to = |limit: u32| {
+        let (sum, count) = values().filter(|value| *value <= limit).fold((0, 0), |(s, n), value| (s + value, n + 1));
+        (sum << 8_u32).checked_div(count).unwrap_or(0)
+    };
     // Three times the mean keeps 98 % of what is normal, whose median is 0.85 of its mean.
-    for kept in [2, 3, 0] {
-        let (sum, count) = values().filter(|value| *value <= most).fold((0, 0), |(s, n), value| (s + value, n + 1));
-        mean_q8 = (sum << 8_u32).checked_div(count).unwrap_or(0);
-        most = (mean_q8 * kept) >> 8;
-    }
-    mean_q8 * 7 / 8
+    let rough = mean_up_to(u32::MAX);
+    let finer = mean_up_to((rough * 2) >> 8);
+    mean_up_to((finer * 3) >> 8) * 7 / 8
 }
 
 /// The pixels around the middle of a stretch, which the row has.
