@@ -50,8 +50,9 @@ impl Sums {
 }
 
 impl EdgeModel {
-    /// Column and width of the edge near the expected column, as [`EdgeModel::fit_in_window`] finds them in a row of grey bytes.
-    /// What remains of the row is not measured: so no norms are needed but what the flank's own pixels sum up.
+    /// Column and width of the edge near the expected column, as [`EdgeModel::fit_in_window`] finds them in a row of
+    /// grey bytes. What remains of the row is not measured: so no norms are needed but what the flank's own pixels sum
+    /// up.
     #[inline(never)]
     pub(super) fn quick_fit<P: Pixels>(
         &self,

@@ -251,7 +251,8 @@ impl<S: Scalar> Landmark<S> {
     }
 
     /// Whether it may be no edge, or a frame may have shown another one instead, more often than not where most edges of
-    /// a scene are known: where fewer than three frames have shown one that is new, or two agree no better than by chance.
+    /// a scene are known: where fewer than three frames have shown one that is new, or two agree no better than by
+    /// chance.
     pub(crate) fn may_be_chance(&self, most_chance: S) -> bool {
         let is_new = self.evidence == Evidence::Newcomer;
         self.frames < TELLING_FRAMES && (is_new || self.frames == 2 && self.chance > most_chance)

@@ -17,8 +17,8 @@ struct Limits {
     ram: u64,
 }
 
-// As measured. A quarter of the flash is the simulator. Optimised for size where all that a board does is in it; rows alone
-// need the least stack optimised for speed.
+// As measured. A quarter of the flash is the simulator. Optimised for size where all that a board does is in it; rows
+// alone need the least stack optimised for speed.
 const LIMITS: [Limits; 3] = [
     Limits { program: "microbit_lines", backend: BackEnd::F32, opt: Opt::Speed, flash: 131 * 1024, ram: 10 * 1024 },
     Limits { program: "microbit_ranges", backend: BackEnd::F32, opt: Opt::Size, flash: 126 * 1024, ram: 11 * 1024 },
