@@ -62,3 +62,27 @@ fn straight_edges_are_not_split() {
         assert_eq!(found.len(), truths.len(), "seed {seed}: {found:#?}");
     }
 }
+
+/// A post, and below it a piece of one that leans a little, much shorter than the gap between them.
+fn with_piece_below() -> Scene<2> {
+    let mut scene = Scene::new(Background::plain(180.0)).expect("a sound background");
+    scene.push(Bar::upright(0.05, 2.0, 0.1, 60.0).between(-10.0, -0.2)).expect("a sound bar");
+    scene.push(Bar::upright(0.05, 2.0, 0.1, 60.0).between(0.1, 0.18).leaning(0.02)).expect("a sound bar");
+    scene
+}
+
+#[test]
+fn a_line_ends_before_a_long_gap() {
+    let world = moving(1.5);
+    let setup = world.setup_read::<f32>(Uncertainty::NONE, TOP);
+    for seed in 1..9 {
+        let (frame, truths) = render(&with_piece_below(), &world, TOP, Exposure::default(), seed);
+        let found = ranges_of(&mut SmallRanger::new(), &setup, &world, &frame);
+        for truth in truths.iter().filter(|truth| truth.first_row == 0) {
+            let is_of_post = |range: &&Range<f32>| range.polarity == truth.polarity && range.first_row < 10;
+            let range = found.iter().find(is_of_post).expect("the post");
+            assert!(range.last_row.abs_diff(truth.last_row) <= 2, "seed {seed}: {range:?} for {truth:?}");
+            assert!(errors(range, truth).1.abs() < 4.0, "seed {seed}: {range:?} for {truth:?}");
+        }
+    }
+}

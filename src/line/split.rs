@@ -1,4 +1,5 @@
-//! A line that runs on past the end of its edge, to another one or into texture, is split where it turns.
+//! A line that runs on past the end of its edge, to another one or into texture, is split where it turns, or where it
+//! goes on beyond a gap for too few rows.
 //!
 //! A line that curves as a whole, as lenses and turning cameras make it, is a parabola but for a small part of what it
 //! departs; one that turns at the end of its edge is not. docs/model.md, section 7.9.
@@ -10,8 +11,8 @@ use heapless::Vec;
 use super::knot::Knot;
 use super::line::Line;
 use super::tuning::{
-    CURVE_PARTS, CURVE_SIGMAS, KINK_SIGMAS, LEAST_KINK_Q16, LEAST_SHARE, LEAST_STRAIGHT_KNOTS, STRAIGHT_PARTS,
-    STRAIGHT_Q16,
+    CURVE_PARTS, CURVE_SIGMAS, KINK_SIGMAS, LEAST_BROKEN_KINK_Q16, LEAST_KINK_Q16, LEAST_SHARE, LEAST_STRAIGHT_KNOTS,
+    MOST_GAP, STRAIGHT_PARTS, STRAIGHT_Q16, UNBROKEN_SHARE,
 };
 use crate::edge::EdgePoint;
 
@@ -90,11 +91,24 @@ fn points(means: &[Mean]) -> u32 {
     means.iter().fold(0, |sum, mean| sum + u32::from(mean.points))
 }
 
-/// The longest straight part of a line that is neither straight as a whole nor a curve, if it is a good part of it.
-fn straight_part(knots: &[Knot], means: &[Mean]) -> Option<Range<usize>> {
+/// The first one beyond a gap that is too long for the fewer points on one of its sides: such a part lies on the way of
+/// the other by chance. Of knots of so many rows, as a power of two.
+fn beyond_gap(means: &[Mean], span_log2: u8) -> Option<usize> {
+    let (all, mut before) = (points(means), 0);
+    let is_too_long = means.iter().zip(means.iter().skip(1)).position(|(last, next)| {
+        before += u32::from(last.points);
+        let empty = u32::from(next.knot.saturating_sub(last.knot).saturating_sub(1));
+        MOST_GAP.1 * (empty << span_log2) > MOST_GAP.0 * before.min(all - before)
+    });
+    is_too_long.map(|last| last + 1)
+}
+
+/// The longest straight part of a line that is neither straight as a whole nor a curve, if it is a good part of it. It is
+/// not straight where it departs by more than `least_q16` from the way between its ends.
+fn straight_part(knots: &[Knot], means: &[Mean], least_q16: u64) -> Option<Range<usize>> {
     let (at, off_q16) = farthest(means)?;
     let sigma_q16 = sigma_q16(knots, means.get(at)?);
-    let is_straight = off_q16 <= LEAST_KINK_Q16 + KINK_SIGMAS * sigma_q16;
+    let is_straight = off_q16 <= least_q16 + KINK_SIGMAS * sigma_q16;
     if is_straight || is_curve(means, at, off_q16 / CURVE_PARTS + CURVE_SIGMAS * sigma_q16) {
         return None;
     }
@@ -152,8 +166,7 @@ pub(super) struct Cut {
 }
 
 impl<const KNOTS: usize> Line<KNOTS> {
-    /// Where a line is to be cut that is straight in a part only: before or after that part. The knot beside the straight
-    /// part, in which the line turns, belongs to neither side; there may be none beyond it.
+    /// Where a line is to be cut.
     #[inline(never)] // its list takes room on the stack only while it is asked
     pub(super) fn cut(&self) -> Option<Cut> {
         let mut means: Vec<Mean, KNOTS> = Vec::new();
@@ -161,13 +174,14 @@ impl<const KNOTS: usize> Line<KNOTS> {
             // There is room: as many as knots.
             let _ = means.push(mean);
         });
-        let part = straight_part(&self.knots, &means)?;
-        let turn = turn_beside(&means, &part)?;
-        let (before, after) = (means.get(..turn)?, means.get(turn + 1..)?);
+        let (before, after) = self.sides(&means)?;
         let kept = before.last().map_or(0, |mean| usize::from(mean.knot) + 1);
         let left = after.first().map_or(self.knots.len(), |mean| usize::from(mean.knot));
-        let end = before.last().map(|mean| self.point_along(mean, (kept << self.span_log2) - 1, &self.first));
-        let start = after.first().map(|mean| self.point_along(mean, left << self.span_log2, &self.last));
+        // Rows that miss in a knot are taken to lie beyond the end.
+        let span = 1 << self.span_log2;
+        let missed = |mean: &Mean| usize::saturating_sub(span, mean.points.into());
+        let end = before.last().map(|mean| self.point_along(mean, kept * span - 1 - missed(mean), &self.first));
+        let start = after.first().map(|mean| self.point_along(mean, left * span + missed(mean), &self.last));
         let points_of = |means: &[Mean]| points(means).min(u16::MAX.into()) as u16;
         Some(Cut {
             kept,
@@ -177,6 +191,22 @@ impl<const KNOTS: usize> Line<KNOTS> {
             points_before: points_of(before),
             points_after: points_of(after),
         })
+    }
+
+    /// Its means on both sides of a cut: at a gap, or of a line that is straight in a part only, before or after that
+    /// part. The knot beside the straight part, in which the line turns, belongs to neither side; there may be none
+    /// beyond it.
+    fn sides<'m>(&self, means: &'m [Mean]) -> Option<(&'m [Mean], &'m [Mean])> {
+        // Edge points may be sparse.
+        if let Some(at) = beyond_gap(means, self.span_log2).filter(|_| self.is_of_pixels()) {
+            return means.split_at_checked(at);
+        }
+        let rows = u32::from(self.first.row.abs_diff(self.last.row)) + 1;
+        let is_broken = self.is_of_pixels() && UNBROKEN_SHARE.1 * u32::from(self.points) < UNBROKEN_SHARE.0 * rows;
+        let least_q16 = if is_broken { LEAST_BROKEN_KINK_Q16 } else { LEAST_KINK_Q16 };
+        let part = straight_part(&self.knots, means, least_q16)?;
+        let turn = turn_beside(means, &part)?;
+        Some((means.get(..turn)?, means.get(turn + 1..)?))
     }
 
     /// Gives up what comes after a cut.
@@ -283,6 +313,52 @@ mod tests {
             };
             assert!(!split_of::<16>(curve, white_px), "line {index}: {sagitta_px} px, {white_px} px of noise");
         }
+    }
+
+    /// A line that is seen in some of its rows, and lies aside in those from `from` on.
+    fn broken(rows: impl Iterator<Item = u16>, from: u16, aside_px: f64) -> Line<16> {
+        let mut line = Line::new(point(0, 300.0, 0.05));
+        let column_px = |row| if row < from { 300.0 } else { 300.0 + aside_px };
+        rows.for_each(|row| line.push(point(row, column_px(row), 0.05)).expect("rows in order"));
+        line
+    }
+
+    fn of_pixels(mut line: Line<16>) -> Line<16> {
+        line.mark_as_of_pixels();
+        line
+    }
+
+    /// What follows beyond a gap is shorter than two thirds of it, or longer.
+    #[test]
+    fn a_line_ends_before_a_gap_beyond_which_hardly_anything_follows() {
+        let seen = |rows: u16| of_pixels(broken((1..160).chain(240..240 + rows), 0, 0.0));
+        for rows in [20, 40] {
+            let whole = seen(rows);
+            let cut = whole.cut().expect("two parts");
+            let (mut first, mut later) = (whole.clone(), whole);
+            first.keep_before(&cut);
+            later.keep_after(&cut);
+            assert_eq!((first.points, first.last.row, later.points), (160, 159, rows));
+            assert!((240..256).contains(&later.first.row), "{:?}", later.first);
+        }
+        assert!(seen(64).cut().is_none());
+    }
+
+    /// Edge points may be sparse: every second knot is empty.
+    #[test]
+    fn points_of_few_rows_are_one_line() {
+        let sparse = || broken((16..128).step_by(16), 0, 0.0);
+        assert!(sparse().cut().is_none() && of_pixels(sparse()).cut().is_some());
+    }
+
+    /// Where another edge may go on, less than elsewhere is no wander.
+    #[test]
+    fn broken_lines_turn_sooner() {
+        for (aside_px, is_cut) in [(0.6, false), (2.0, true)] {
+            let broken = of_pixels(broken((1..160).chain(240..400), 240, aside_px));
+            assert_eq!(broken.cut().is_some(), is_cut, "{aside_px} px");
+        }
+        assert!(of_pixels(broken(1..320, 160, 2.0)).cut().is_none());
     }
 
     /// Two of six knots always lie on a straight line.

@@ -136,6 +136,16 @@ pub(super) const fn models_a_row(lines: usize) -> usize {
 pub(super) const LEAST_KINK_Q16: u64 = 1 << 17;
 pub(super) const KINK_SIGMAS: u64 = 6;
 
+/// Likewise of a line of which fewer rows show it than this share: where they miss, another edge may go on
+/// (`line::split::tests::broken_lines_turn_sooner`).
+pub(super) const LEAST_BROKEN_KINK_Q16: u64 = 1 << 15;
+pub(super) const UNBROKEN_SHARE: (u32, u32) = (7, 8);
+
+/// What goes on beyond a gap of more than so many times its own rows does so by chance
+/// (`line::split::tests::a_line_ends_at_a_gap_beyond_which_hardly_anything_follows`; with one
+/// `false_distances::of_clutter`).
+pub(super) const MOST_GAP: (u32, u32) = (3, 2);
+
 /// What is straight stays within this of one line, in 1/65536 px, or within one of so many parts of what the whole
 /// departs: more than real edges wander, and less than what would bend a part.
 pub(super) const STRAIGHT_Q16: u64 = 1 << 14;

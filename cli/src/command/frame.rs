@@ -23,11 +23,11 @@ use crate::output::terminal;
 use crate::ranging::camera_motion::CameraMotion;
 use crate::ranging::frame_sequence::FrameSequence;
 use crate::ranging::hints;
-use crate::ranging::tracking::KNOTS;
+use crate::ranging::tracking::{KNOTS, LINES};
 use crate::ranging::workers::{self, Results};
 
-/// More lines, and more points on one row, than a picture shows.
-type LargeRanger = Ranger<256, KNOTS, 2048>;
+/// More points on one row than a picture shows.
+type LargeRanger = Ranger<LINES, KNOTS, 2048>;
 
 /// How many frames have failed; standard error says why.
 pub(crate) struct Failures(pub(crate) usize);

@@ -10,8 +10,12 @@ use crate::input::edge_file::FilePoint;
 /// Knots of a line: many, since a desktop has the memory.
 pub(crate) const KNOTS: usize = 64;
 
-/// More lines, and more points on one row, than a scene has.
-type LargeRanger = Ranger<256, KNOTS, 4096>;
+/// More lines than a scene has: of a photograph of 926 columns 256 were too few, counting those that wait behind
+/// something.
+pub(crate) const LINES: usize = 1024;
+
+/// More points on one row than a scene has.
+type LargeRanger = Ranger<LINES, KNOTS, 4096>;
 
 #[derive(Default)]
 pub(crate) struct Tracked {
