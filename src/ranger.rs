@@ -127,8 +127,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             _ => (0, self.begin_row(setup, &point)?),
         };
         self.tracker.count_points(1);
-        // It is not beyond them, but only so is that seen where code is small.
-        if self.row.insert(at.min(self.row.len()), EdgePoint { time_ns, ..point }).is_err() {
+        let point = EdgePoint { time_ns, ..point };
+        let taken = match self.row.len() {
+            len if at >= len => self.row.push(point),
+            _ => self.row.insert(at, point),
+        };
+        if taken.is_err() {
             self.tracker.count_dropped_point();
         }
         Ok(())
