@@ -1,7 +1,5 @@
 //! [`Prominence`]: how an edge stands out of what is around its line. docs/model.md, section 7.8.
 
-use heapless::Vec;
-
 use super::halo::Halo;
 use super::tuning::{
     AROUND_PX, CHANCE_SIGMAS_Q1, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
@@ -127,12 +125,17 @@ impl Around {
 /// Of the sizes of the steps beside a line, as many as there are.
 #[inline(never)]
 fn upper_quartile(steps: impl Iterator<Item = Option<i16>>) -> u16 {
-    let mut sizes: Vec<u16, { 2 * AROUND_PX.len() }> = Vec::new();
-    for size in steps.flatten().map(i16::unsigned_abs) {
-        // There is room for all of them.
-        let _ = sizes.insert(sizes.partition_point(|other| *other < size), size);
+    // From the largest on, as many as it is among.
+    let (mut largest, mut count) = ([0; AROUND_PX.len() / 2 + 1], 0_usize);
+    for mut size in steps.flatten().map(i16::unsigned_abs) {
+        for other in &mut largest {
+            if size > *other {
+                core::mem::swap(other, &mut size);
+            }
+        }
+        count += 1;
     }
-    sizes.get((sizes.len() * 3 / 4).saturating_sub(1)).copied().unwrap_or(0)
+    largest.get(count.saturating_sub((count * 3 / 4).max(1))).copied().unwrap_or(0)
 }
 
 #[cfg(test)]
