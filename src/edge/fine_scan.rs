@@ -155,10 +155,10 @@ pub(super) fn fine(
         let rest = grey(pixels, at..at + SLIDE + 2 * WINDOW, &mut buffer);
         slide(rest, count, |index, difference| {
             let (size, position) = (difference.abs(), next + index);
-            let sign = if size > least { difference.signum() } else { 0 };
-            if sign == 0 && run.sign == 0 {
+            if size <= least && run.sign == 0 {
                 return;
             }
+            let sign = if size > least { difference.signum() } else { 0 };
             if sign == run.sign && !run.rises_again(size, least) {
                 run.extend(size);
                 return;
@@ -191,18 +191,17 @@ fn before_run(pixels: &impl Pixels, position: usize, earliest: usize, least: i32
     before
 }
 
-/// Hands over the first `count` sliding differences.
+/// Hands over the first `count` sliding differences, of which there is one at least.
 fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
     let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
-    let (changing, entering) = right.split_at(WINDOW.min(right.len()));
-    let mut difference = sum(changing) - sum(left);
-    // The window moves by one: what enters on the right, changes sides, and leaves on the left; behind the last one
-    // there is none.
-    let mut entering = entering.iter();
-    for (index, (leaves, changes)) in pixels.iter().zip(right).enumerate().take(count) {
-        take(index, difference);
-        let enters = entering.next().map_or(0, |pixel| i32::from(*pixel));
-        difference += enters - 2 * i32::from(*changes) + i32::from(*leaves);
+    let mut difference = sum(right.get(..WINDOW).unwrap_or(right)) - sum(left);
+    take(0, difference);
+    // The window moves by one: what leaves on the left, changes sides, and enters on the right.
+    for (index, moved) in (1..count).zip(pixels.windows(2 * WINDOW + 1)) {
+        if let [leaves, _, _, _, changes, _, _, _, enters] = *moved {
+            difference += i32::from(enters) - 2 * i32::from(changes) + i32::from(leaves);
+            take(index, difference);
+        }
     }
 }
 
