@@ -150,13 +150,14 @@ impl Step<'_> {
         let per_contrast = contrast.reciprocal;
         // Where free levels explain a part of the slope, the rest is less sure.
         let of_noise_q8 = free_slope_slope.map_or(norms.sigma_q8, |slope_slope| norms.sigma_of_part_q8(slope_slope));
+        let per_widening = free_slope_slope.is_none().then_some(norms.per_widening);
         let shift = per_contrast.times(norms.per_slope.times(slope));
         let shift_q16 = shifted(shift, -(norms.per_slope.lost() + per_contrast.lost()));
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(shift_q16),
             sigma_q16: sigma_q16(of_noise_q8, model.noise_q8, per_contrast),
             width_q12: template.width_q12(widening, template.per_width(norms), per_contrast),
-            residual_q16: moments.residual_q16(norms, free_slope_slope.is_some()),
+            residual_q16: moments.residual_q16(norms.per_slope, per_widening, norms.per_freedom_q16),
             off_q8: *off_q8,
         })
     }

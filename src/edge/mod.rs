@@ -18,6 +18,7 @@ mod moments;
 mod level_moments;
 mod window;
 mod whole_window;
+mod near_window;
 mod model;
 mod fit;
 mod quick_fit;

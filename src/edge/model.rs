@@ -8,7 +8,7 @@ use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
     FEW_TEXTURED_ROWS, LEARN_ROWS_LOG2, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, MANY_TEXTURED_ROWS,
-    MEMORY_ROWS_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    MEMORY_ROWS_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, ONE_STEP_SIGMAS, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -172,9 +172,16 @@ impl EdgeModel {
         u32::from(self.blur_q12) << 4
     }
 
-    /// An edge that is no farther off the expected column is located in one step.
-    pub(super) fn one_step_q16(&self) -> u32 {
-        self.blur_q16() >> ONE_STEP_PARTS_LOG2
+    /// An edge that is no farther off the expected column is located in one step: a part of its blur, or where noise moves
+    /// it by more, what that explains.
+    pub(super) fn one_step_q16(&self, sigma_q16: u32) -> u32 {
+        let blur_q16 = self.blur_q16();
+        (blur_q16 >> ONE_STEP_PARTS_LOG2).max((ONE_STEP_SIGMAS * sigma_q16.min(blur_q16)).min(blur_q16 / 2))
+    }
+
+    /// What is farther away has no part in its window.
+    pub(crate) fn far_q16(&self) -> u32 {
+        (self.template().far_q8() as u32) << 8
     }
 
     pub(super) const fn blur_q8(&self) -> u16 {

@@ -1,7 +1,6 @@
 //! [`Moments`]: inner products over the flank of an edge.
 
 use super::factor::{Factor, upper};
-use super::norms::Norms;
 use super::weight::Weight;
 
 /// Inner products of the residual with the slope of the expected step and with its change by the width. 32 bits hold
@@ -68,15 +67,16 @@ impl Moments {
         self.residual_widening += residual_q6 * i32::from(weight.widening);
     }
 
-    /// Residual variance of a pixel, in 1/65536 square grey level, less what shift and width explain; where the levels
-    /// are free, too little would be left without the width's part.
+    /// Residual variance of a pixel, in 1/65536 square grey level, less what shift and width explain, given one over the
+    /// products of slope and widening with themselves; where the levels are free, too little would be left without the
+    /// width's part, which is then not given.
     #[inline(always)]
-    pub(super) fn residual_q16(&self, norms: &Norms, has_free_levels: bool) -> u32 {
-        let of_shift_q8 = explained_q8(self.residual_slope, norms.per_slope);
-        let of_width_q8 = if has_free_levels { 0 } else { explained_q8(self.residual_widening, norms.per_widening) };
+    pub(super) fn residual_q16(&self, per_slope: Factor, per_widening: Option<Factor>, per_freedom_q16: u16) -> u32 {
+        let of_shift_q8 = explained_q8(self.residual_slope, per_slope);
+        let of_width_q8 = per_widening.map_or(0, |per_widening| explained_q8(self.residual_widening, per_widening));
         // It fits: either part is at most the sum of squares of 47 residuals of 255 levels.
         let rest_q8 = ((self.residual_residual >> 4).saturating_sub(of_shift_q8).saturating_sub(of_width_q8)).max(0);
         // It fits: no flank has more than three pixels for a degree of freedom.
-        (((rest_q8 as u32 + 2) >> 2) * u32::from(norms.per_freedom_q16)) >> 2
+        (((rest_q8 as u32 + 2) >> 2) * u32::from(per_freedom_q16)) >> 2
     }
 }

@@ -41,6 +41,11 @@ impl Norms {
         of_levels_q12: 0,
     };
 
+    /// Sigma of the shift as [`Norms::sigma_q8`], beside plateaus of so many half pixels.
+    pub(super) const fn sigma_beside_q8(&self, halves: [u32; 2]) -> u16 {
+        sigma_q8(self.slope as u32, self.slope_slope as u32, 2 * of_levels_q12(halves))
+    }
+
     /// Sigma of the shift as [`Norms::sigma_q8`], where of the product of the slope with itself only a part is left.
     pub(super) const fn sigma_of_part_q8(&self, slope_slope: i32) -> u16 {
         if slope_slope < LEAST_SLOPE_SLOPE as i32 {
@@ -73,20 +78,30 @@ impl Squares {
         if self.pixels < 3 || self.slope_slope < LEAST_SLOPE_SLOPE || left == 0 || right == 0 {
             return Norms::NONE;
         }
-        // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width
-        // explain a third.
-        let freedom_q4 = 16 * (self.pixels - 2) + ratio(4 * self.pixels, left) + ratio(4 * self.pixels, right);
-        let of_levels_q12 = ratio(1 << 12, left) + ratio(1 << 12, right);
+        let of_levels_q12 = of_levels_q12([left, right]);
         Norms {
             slope_slope: self.slope_slope as i32,
             per_slope: reciprocal(self.slope_slope),
             per_widening: reciprocal(self.widening_widening),
-            per_freedom_q16: ratio(1 << 16, freedom_q4) as u16,
+            per_freedom_q16: per_freedom_q16(self.pixels, [left, right]),
             sigma_q8: sigma_q8(self.slope, self.slope_slope, of_levels_q12),
             slope: self.slope as u16,
             of_levels_q12: of_levels_q12 as u16,
         }
     }
+}
+
+/// What a unit of noise in the levels, each from a plateau of so many pixels, adds to the variance of the shift.
+pub(super) const fn of_levels_q12([left, right]: [u32; 2]) -> u32 {
+    ratio(1 << 12, left) + ratio(1 << 12, right)
+}
+
+/// 2¹⁶ over the degrees of freedom of what remains of a flank, at least three pixels, beside plateaus of so many.
+pub(super) const fn per_freedom_q16(pixels: u32, [left, right]: [u32; 2]) -> u16 {
+    // In sixteenths of a pixel: the squares of the levels' shares are 3/8 in the mean, of which shift and width explain
+    // a third.
+    let freedom_q4 = 16 * (pixels - 2) + ratio(4 * pixels, left) + ratio(4 * pixels, right);
+    ratio(1 << 16, freedom_q4) as u16
 }
 
 /// Least product of the slope with itself that shows an edge.

@@ -183,6 +183,12 @@ pub(super) fn sum(pixels: &[u8]) -> u32 {
     (pairs & 0xFFFF) + (pairs >> 16) + rest
 }
 
+/// Mean of some bytes in 1/256 grey level, to the nearest.
+#[inline(always)]
+pub(super) fn mean_q8(bytes: &[u8]) -> Option<i32> {
+    mean(sum(bytes) << 8, bytes.len() as u32)
+}
+
 /// Sums of the four pixels of a word two by two, one in each half.
 #[inline(always)]
 pub(super) fn pairs(word: &[u8]) -> u32 {

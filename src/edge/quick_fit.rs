@@ -1,11 +1,12 @@
-//! [`EdgeModel::quick_fit`]: place and width alone, for rows from which the model does not learn.
+//! [`EdgeModel::quick_fit`]: place and width in a row of grey bytes whose window may be cut off.
 
 use super::factor::Factor;
 use super::fit::{Contrast, alike};
 use super::level_moments::{FreeLevels, LevelMoments, Shares};
 use super::model::{EdgeModel, Fit};
-use super::norms::{LEAST_SLOPE_SLOPE, ratio, reciprocal, sigma_q8, sigma_q16};
-use super::pixel_row::{PixelRow, Stretch, sum};
+use super::moments::Moments;
+use super::norms::{LEAST_SLOPE_SLOPE, of_levels_q12, per_freedom_q16, reciprocal, sigma_q8, sigma_q16};
+use super::pixel_row::{PixelRow, Stretch, mean_q8};
 use super::template::Sampled;
 use super::weight::Weight;
 use super::window::Parts;
@@ -49,16 +50,28 @@ impl Sums {
     }
 }
 
+/// What a flank shows, given levels.
+struct Seen {
+    sums: Sums,
+    /// Of the slope with itself, less what free levels explain.
+    sure_slope: u32,
+    contrast: Contrast,
+    levels_q8: [i32; 2],
+    /// These minus the mean ones.
+    off_q8: [i32; 2],
+}
+
 impl EdgeModel {
-    /// Column and width of the edge near the expected column, as [`EdgeModel::fit_in_window`] finds them in a row of
-    /// grey bytes. What remains of the row is not measured: so no norms are needed but what the flank's own pixels sum
-    /// up.
+    /// Column and width of the edge near the expected column, as [`EdgeModel::fit_in_window`] finds them, in a row of grey
+    /// bytes. No norms are needed but what the flank's own pixels sum up, and what remains of the row is measured only
+    /// where that is asked for.
     #[inline(never)]
     pub(super) fn quick_fit<P: Pixels>(
         &self,
         row: PixelRow<'_, P>,
         column_q8: i32,
         bounds_q8: (i32, i32),
+        is_measured: bool,
     ) -> Option<Fit> {
         let template = self.template();
         if !self.is_alone(column_q8, bounds_q8, row.columns()) {
@@ -67,45 +80,56 @@ impl EdgeModel {
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
         let pixels = phase.weights.len() as i32;
         let parts = Parts::new(column_q8, first, pixels, template, bounds_q8, (row.columns(), row.colours()))?;
-        let ([left, right], weights) = (parts.plateaus, phase.weights.get(parts.skipped..)?);
+        let ([left, right], flank) = (parts.plateaus, parts.flank);
+        let weights = phase.weights.get(parts.skipped..parts.skipped + flank.pixels())?;
         let window = row.light_bytes(Stretch { from: left.from, to: right.to })?;
         let of = |stretch: Stretch| window.get(stretch.from - left.from..stretch.to - left.from);
-        let (own_q8, flank) = ([mean_q8(of(left)?)?, mean_q8(of(right)?)?], of(parts.flank)?);
-        let (sums, contrast, off_q8, sure_slope) = if self.is_textured() {
+        let (own_q8, flank) = ([mean_q8(of(left)?)?, mean_q8(of(right)?)?], of(flank)?);
+        let seen = if self.is_textured() {
             self.quick_free_levels(flank, weights, own_q8)?
         } else {
-            let (off_q8, contrast) = self.against_means(0, own_q8)?;
-            let mut sums = Sums::default();
-            residuals(flank, weights, own_q8).for_each(|(residual_q6, weight)| sums.add(residual_q6, weight));
-            let slope_slope = sums.slope_slope;
-            (sums, contrast, off_q8, slope_slope)
+            self.quick_levels(flank, weights, own_q8)?
         };
-        if sums.slope_slope < LEAST_SLOPE_SLOPE {
+        let Seen { sums, sure_slope, contrast, levels_q8, off_q8 } = seen;
+        let plateaus = parts.plateaus.map(|plateau| plateau.pixels() as u32);
+        if sums.slope_slope < LEAST_SLOPE_SLOPE || flank.len() < 3 {
             return None;
         }
-        let of_noise_q8 = sigma_q8(sums.whole_slope, sure_slope, of_levels_q12(parts.plateaus));
+        let (per_slope, per_widening) = (reciprocal(sums.slope_slope), reciprocal(sums.widening_widening));
+        let residual_q16 = if is_measured {
+            let per_widening = (!self.is_textured()).then_some(per_widening);
+            let per_freedom_q16 = per_freedom_q16(flank.len() as u32, plateaus);
+            Moments::of_bytes(flank, weights, levels_q8).residual_q16(per_slope, per_widening, per_freedom_q16)
+        } else {
+            0
+        };
+        let of_noise_q8 = sigma_q8(sums.whole_slope, sure_slope, of_levels_q12(plateaus));
         let sign = if contrast.is_falling { -1 } else { 1 };
         let product = |per: Factor, of: i32| per.roughly_and(contrast.reciprocal).product(sign * of);
-        let change_q12 = product(template.per_width_of(reciprocal(sums.widening_widening)), sums.widening);
+        let change_q12 = product(template.per_width_of(per_widening), sums.widening);
         Some(Fit {
-            column_q16: (centre_q8 << 8).saturating_sub(product(reciprocal(sums.slope_slope), sums.slope)),
+            column_q16: (centre_q8 << 8).saturating_sub(product(per_slope, sums.slope)),
             sigma_q16: sigma_q16(of_noise_q8, self.noise_q8, contrast.reciprocal),
             width_q12: (i32::from(template.width_q8) << 4) + change_q12.clamp(-(1 << 20), (1 << 20) - 1),
-            residual_q16: 0,
+            residual_q16,
             off_q8,
         })
     }
 
-    /// Beside texture the edge's own pixels tell the levels, as in [`EdgeModel::with_free_levels`]: what these change in
-    /// the inner products is known without another look at the pixels. And what is left of the slope's product with
-    /// itself.
+    /// The plateaus tell the levels.
     #[inline(always)]
-    fn quick_free_levels(
-        &self,
-        flank: &[u8],
-        weights: &[Weight],
-        own_q8: [i32; 2],
-    ) -> Option<(Sums, Contrast, [i32; 2], u32)> {
+    fn quick_levels(&self, flank: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Option<Seen> {
+        let (off_q8, contrast) = self.against_means(0, levels_q8)?;
+        let mut sums = Sums::default();
+        residuals(flank, weights, levels_q8).for_each(|(residual_q6, weight)| sums.add(residual_q6, weight));
+        let sure_slope = sums.slope_slope;
+        Some(Seen { sums, sure_slope, contrast, levels_q8, off_q8 })
+    }
+
+    /// Beside texture the edge's own pixels tell the levels, as in [`EdgeModel::with_free_levels`]: what these change in
+    /// the inner products is known without another look at the pixels.
+    #[inline(always)]
+    fn quick_free_levels(&self, flank: &[u8], weights: &[Weight], own_q8: [i32; 2]) -> Option<Seen> {
         let (mut sums, mut shares, mut right_widening, mut widening) = (Sums::default(), Shares::default(), 0, 0);
         for (residual_q6, weight) in residuals(flank, weights, own_q8) {
             sums.add(residual_q6, weight);
@@ -126,19 +150,15 @@ impl EdgeModel {
         let FreeLevels { off_q8: free_q8, slope_slope } = moments.free(sums.slope, sums.slope_slope as i32)?;
         let ([left_q8, right_q8], [free_left_q8, free_right_q8], [own_left_q8, own_right_q8]) =
             (self.levels_q8(0), free_q8, own_q8);
-        let off_q8 = [own_left_q8 + free_left_q8 - left_q8, own_right_q8 + free_right_q8 - right_q8];
+        let levels_q8 = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
+        let [found_left_q8, found_right_q8] = levels_q8;
+        let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
         let [left_off_q8, right_off_q8] = off_q8;
         let contrast = Contrast::of(alike(right_q8 - left_q8, right_off_q8 - left_off_q8)?, self.template())?;
         sums.slope -= explained_q6(free_q8, moments.slopes());
         sums.widening -= explained_q6(free_q8, [(widening << 8) - right_widening, right_widening]);
-        Some((sums, contrast, off_q8, slope_slope as u32))
+        Some(Seen { sums, sure_slope: slope_slope as u32, contrast, levels_q8, off_q8 })
     }
-}
-
-/// What a unit of noise in the levels, each from its plateau, adds to the variance of the shift.
-#[inline(always)]
-fn of_levels_q12(plateaus: [Stretch; 2]) -> u32 {
-    plateaus.into_iter().map(|plateau| ratio(1 << 12, plateau.pixels() as u32)).sum()
 }
 
 /// What levels that are off, in 1/256 grey level, add to an inner product of residuals in 1/64 grey level, from their
@@ -148,13 +168,6 @@ fn explained_q6([left_q8, right_q8]: [i32; 2], [of_left, of_right]: [i32; 2]) ->
     // 32 bits hold both parts: a level is off by at most 255, and the weights of a flank add up to less than 2¹³.
     let part = |off_q8: i32, of: i32| (off_q8 >> 2) * ((of + (1 << 7)) >> 8);
     part(left_q8, of_left) + part(right_q8, of_right)
-}
-
-/// Mean of some bytes in 1/256 grey level, to the nearest.
-#[inline(always)]
-fn mean_q8(bytes: &[u8]) -> Option<i32> {
-    let count = bytes.len() as u32;
-    Some(((sum(bytes) << 8) + count / 2).checked_div(count)? as i32)
 }
 
 #[cfg(test)]
@@ -212,12 +225,14 @@ mod tests {
                     assert!((0.97..1.03).contains(&ratio), "{of}: sigma {ratio}");
                     let wider = f64::from(quick.width_q12) / f64::from(whole.width_q12);
                     assert!((0.98..1.02).contains(&wider), "{of}: width {wider}");
+                    let rest = f64::from(quick.residual_q16 + 256) / f64::from(whole.residual_q16 + 256);
+                    assert!((0.9..1.1).contains(&rest), "{of}: residual {rest}");
                 }
             }
         }
     }
 
     fn quick(model: &EdgeModel, row: PixelRow<'_, &[u8]>, from_q16: i32, around: Neighbours) -> Fit {
-        model.quick_fit(row, from_q16 >> 8, around.bounds_q8()).expect("the edge")
+        model.quick_fit(row, from_q16 >> 8, around.bounds_q8(), true).expect("the edge")
     }
 }

@@ -113,7 +113,7 @@ impl EdgeModel {
     }
 
     /// Fits column, width and levels of the edge near the expected column. Where its window may be cut off, or there is
-    /// texture beside it, what remains of the row is measured only if that is asked for.
+    /// texture beside it, what remains of a row of bytes is measured only if that is asked for.
     fn fit<P: Pixels>(
         &self,
         row: PixelRow<'_, P>,
@@ -124,8 +124,8 @@ impl EdgeModel {
         let column_q8 = expected_q16 >> 8;
         match WholeWindow::new(&row, column_q8, self.template(), bounds_q8).filter(|_| !self.is_textured()) {
             Some(window) => self.fit_whole(row.kind(), &window),
-            None if is_measured || !row.is_of_light_bytes() => self.fit_in_window(row, column_q8, bounds_q8),
-            None => self.quick_fit(row, column_q8, bounds_q8),
+            None if row.is_of_light_bytes() => self.quick_fit(row, column_q8, bounds_q8, is_measured),
+            None => self.fit_in_window(row, column_q8, bounds_q8),
         }
     }
 
@@ -138,7 +138,9 @@ impl EdgeModel {
         loop {
             let fit = self.fit(row, from_q16, bounds_q8, is_measured)?;
             let shift_q16 = fit.column_q16.saturating_sub(from_q16);
-            let is_there = shift_q16.unsigned_abs() <= self.one_step_q16();
+            // Texture is no noise.
+            let sigma_q16 = if self.is_textured() { 0 } else { fit.sigma_q16 };
+            let is_there = shift_q16.unsigned_abs() <= self.one_step_q16(sigma_q16);
             if is_there || corrections == MOST_CORRECTIONS {
                 return Some(fit);
             }

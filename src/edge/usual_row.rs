@@ -1,11 +1,15 @@
 //! A row that shows a tracked edge as the rows before did: most rows of most lines.
 
+use super::fit::Contrast;
 use super::model::{EdgeModel, Fit};
-use super::norms::sigma_q16;
-use super::pixel_row::PixelRow;
+use super::moments::Moments;
+use super::near_window::NearWindow;
+use super::norms::{Norms, per_freedom_q16, sigma_q16};
+use super::pixel_row::{PixelRow, mean_q8};
+use super::products::Products;
 use super::refine::LocatedPoint;
 use super::template::Phase;
-use super::whole_window::WholeWindow;
+use super::whole_window::{Sums, WholeWindow};
 use super::window::Neighbours;
 use crate::format::Pixels;
 
@@ -13,8 +17,8 @@ impl EdgeModel {
     /// The edge near the expected column, within the gate, as [`EdgeModel::locate`] finds it; `None` where the row may
     /// show anything else than the rows before, which then has to be looked at closely.
     ///
-    /// The levels are the usual ones, the column is one step off and the width is one that the edge may have: then what
-    /// remains is measured only in the rows from which the model learns.
+    /// The levels are the usual ones, the column is a step or two off and the width is one that the edge may have: then
+    /// what remains is measured only in the rows from which the model learns.
     #[inline(always)]
     pub(crate) fn locate_usual<P: Pixels>(
         &mut self,
@@ -27,7 +31,7 @@ impl EdgeModel {
             return None;
         }
         let step = self.usual_step(row, expected_q16, around)?;
-        if step.column_q16.abs_diff(expected_q16) > self.one_step_q16() {
+        if step.column_q16.abs_diff(expected_q16) > self.one_step_q16(step.sigma_q16) {
             return self.locate_usual_in_two(row, step.column_q16, (expected_q16, gate_q16), around);
         }
         self.take_usual(step, (expected_q16, gate_q16))
@@ -47,28 +51,50 @@ impl EdgeModel {
             return None;
         }
         let step = self.usual_step(row, from_q16, around)?;
-        let is_there = step.column_q16.abs_diff(from_q16) <= self.one_step_q16();
+        let is_there = step.column_q16.abs_diff(from_q16) <= self.one_step_q16(step.sigma_q16);
         if is_there { self.take_usual(step, (expected_q16, gate_q16)) } else { None }
     }
 
-    /// Takes what a step has found, if it is within the gate and what noise explains, and no wider or narrower than an
-    /// edge may be.
-    #[inline(always)]
-    fn take_usual(&mut self, step: UsualStep<'_>, (expected_q16, gate_q16): (i32, u32)) -> Option<LocatedPoint> {
-        let UsualStep { column_q16, width_q12, .. } = step;
-        let sigma_q16 = sigma_q16(step.window.phase.norms.sigma_q8, self.noise_q8, self.per_contrast);
-        let half_q12 = u32::from(self.blur_q12) / 2;
-        let noise_q16 = 4 * sigma_q16 + (u32::from(self.blur_q12) << 2);
-        let is_usual = column_q16.abs_diff(expected_q16) <= gate_q16.min(noise_q16)
-            && width_q12.wrapping_sub(half_q12 as i32) as u32 <= 2 * half_q12;
-        if !is_usual {
+    /// Likewise between neighbours that cut off its plateaus.
+    #[inline(never)]
+    pub(crate) fn locate_near<P: Pixels>(
+        &mut self,
+        row: &PixelRow<'_, P>,
+        expected_q16: i32,
+        gate_q16: u32,
+        around: &Neighbours,
+    ) -> Option<LocatedPoint> {
+        if !self.is_usual {
             return None;
         }
-        if self.learns_next() {
-            self.learn_usual(step, sigma_q16)?;
+        let mut step = self.near_step(row, expected_q16, around)?;
+        if step.column_q16.abs_diff(expected_q16) > self.one_step_q16(step.sigma_q16) {
+            let from_q16 = step.column_q16;
+            step = self.near_step(row, from_q16, around)?;
+            if step.column_q16.abs_diff(from_q16) > self.one_step_q16(step.sigma_q16) {
+                return None;
+            }
+        }
+        self.take_usual(step, (expected_q16, gate_q16))
+    }
+
+    /// Takes what a step has found, if it is within the gate and what noise explains. Where the width is none that an edge
+    /// may have, what remains of the row is measured.
+    #[inline(always)]
+    fn take_usual(&mut self, step: UsualStep<'_>, (expected_q16, gate_q16): (i32, u32)) -> Option<LocatedPoint> {
+        let UsualStep { column_q16, sigma_q16, width_q12, .. } = step;
+        let noise_q16 = 4 * sigma_q16 + (u32::from(self.blur_q12) << 2);
+        if column_q16.abs_diff(expected_q16) > gate_q16.min(noise_q16) {
+            return None;
+        }
+        let half_q12 = u32::from(self.blur_q12) / 2;
+        let has_usual_width = width_q12.wrapping_sub(half_q12 as i32) as u32 <= 2 * half_q12;
+        let width_q8 = if has_usual_width { (width_q12 >> 4) as u16 } else { self.width_near_q8(width_q12) };
+        if !has_usual_width || self.learns_next() {
+            self.measure_usual(step)?;
         }
         self.count_row();
-        Some(LocatedPoint { column_q16, sigma_q16: sigma_q16.max(1), width_q8: (width_q12 >> 4) as u16 })
+        Some(LocatedPoint { column_q16, sigma_q16: sigma_q16.max(1), width_q8 })
     }
 
     /// What the pixels around a column say, if both levels are the usual ones.
@@ -88,36 +114,141 @@ impl EdgeModel {
         if off_q8.into_iter().any(|off_q8| self.departure(off_q8) != 0) {
             return None;
         }
-        let products = sums.products(window.phase, own_q8);
-        let (slope, widening) = (products.residual_slope, products.residual_widening);
-        let (slope, widening) = if left_q8 > right_q8 { (-slope, -widening) } else { (slope, widening) };
-        let Phase { norms, per_width, .. } = window.phase;
-        let shift_q16 = norms.per_slope.roughly_and(self.per_contrast).product(slope);
-        let column_q16 = (window.centre_q8 << 8).saturating_sub(shift_q16);
-        let change_q12 = per_width.roughly_and(self.per_contrast).product(widening);
-        let width_q12 = (i32::from(template.width_q8) << 4).saturating_add(change_q12);
-        Some(UsualStep { window, own_q8, off_q8, column_q16, width_q12 })
+        let contrast = Contrast { is_falling: left_q8 > right_q8, reciprocal: self.per_contrast };
+        let (products, phase) = (sums.products(window.phase, own_q8), window.phase);
+        let Norms { sigma_q8, per_freedom_q16, .. } = phase.norms;
+        let (column_q16, width_q12) = self.moved(phase, window.centre_q8, &products, &contrast);
+        let sigma_q16 = sigma_q16(sigma_q8, self.noise_q8, self.per_contrast);
+        Some(UsualStep {
+            flank: window.flank(),
+            phase,
+            per_freedom_q16,
+            own_q8,
+            off_q8,
+            column_q16,
+            sigma_q16,
+            width_q12,
+        })
     }
 
-    /// Learns from a row, unless too much of it remains.
+    /// Likewise between neighbours that cut off its plateaus: the fewer pixels tell the levels, the less they tell
+    /// whether these are the usual ones.
+    fn near_step<'p, P: Pixels>(
+        &self,
+        row: &'p PixelRow<'_, P>,
+        from_q16: i32,
+        around: &Neighbours,
+    ) -> Option<UsualStep<'p>> {
+        let (column_q8, bounds_q8) = (from_q16 >> 8, around.bounds_q8());
+        if !self.is_alone(column_q8, bounds_q8, row.columns()) {
+            return None;
+        }
+        let NearWindow { flank, plateaus: [left, right], halves, phase, centre_q8 } =
+            NearWindow::new(row, column_q8, self.template(), bounds_q8)?;
+        let own_q8 = [mean_q8(left)?, mean_q8(right)?];
+        let (off_q8, contrast) = self.against_means(0, own_q8)?;
+        let products = Sums::of_flank(flank, phase.weights).products(phase, own_q8);
+        let (column_q16, width_q12) = self.moved(phase, centre_q8, &products, &contrast);
+        let per_freedom_q16 = per_freedom_q16(flank.len() as u32, [left.len() as u32, right.len() as u32]);
+        let sigma_q16 = sigma_q16(phase.norms.sigma_beside_q8(halves), self.noise_q8, contrast.reciprocal);
+        Some(UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, column_q16, sigma_q16, width_q12 })
+    }
+
+    /// Column and width, from the inner products at a phase.
+    #[inline(always)]
+    fn moved(&self, phase: &Phase, centre_q8: i32, products: &Products, contrast: &Contrast) -> (i32, i32) {
+        let (slope, widening) = (products.residual_slope, products.residual_widening);
+        let (slope, widening) = if contrast.is_falling { (-slope, -widening) } else { (slope, widening) };
+        let shift_q16 = phase.norms.per_slope.roughly_and(contrast.reciprocal).product(slope);
+        let change_q12 = phase.per_width.roughly_and(contrast.reciprocal).product(widening);
+        let width_q12 = (i32::from(self.template().width_q8) << 4).saturating_add(change_q12);
+        ((centre_q8 << 8).saturating_sub(shift_q16), width_q12)
+    }
+
+    /// Measures what remains of a row, and learns from it if it is time; `None` where too much remains.
     #[inline(never)]
-    fn learn_usual(&mut self, step: UsualStep<'_>, sigma_q16: u32) -> Option<()> {
-        let UsualStep { window, own_q8, off_q8, column_q16, width_q12 } = step;
-        let residual_q16 = window.moments(own_q8).residual_q16(&window.phase.norms, false);
+    fn measure_usual(&mut self, step: UsualStep<'_>) -> Option<()> {
+        let UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, column_q16, sigma_q16, width_q12 } = step;
+        let Norms { per_slope, per_widening, .. } = phase.norms;
+        let moments = Moments::of_bytes(flank, phase.weights, own_q8);
+        let residual_q16 = moments.residual_q16(per_slope, Some(per_widening), per_freedom_q16);
         if residual_q16 > self.most_residual_q16() {
             return None;
         }
-        self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8 });
+        if self.learns_next() {
+            self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8 });
+        }
         Some(())
     }
 }
 
 /// One step towards an edge.
 struct UsualStep<'p> {
-    window: WholeWindow<'p>,
+    /// Pixels of the flank, and perhaps more behind it.
+    flank: &'p [u8],
+    phase: &'static Phase,
+    per_freedom_q16: u16,
     /// The row's own levels, and what they are off the mean ones.
     own_q8: [i32; 2],
     off_q8: [i32; 2],
     column_q16: i32,
+    sigma_q16: u32,
     width_q12: i32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::window::Neighbours;
+    use super::{EdgeModel, PixelRow};
+    use crate::edge::{EdgePoint, Polarity};
+    use crate::setup::Response;
+
+    const MIDDLE_PX: f64 = 60.0;
+
+    /// An edge with neighbours so far away, of the other polarity.
+    fn row_of(apart_px: f64, off_px: f64, seed: u32) -> [u8; 120] {
+        let mut mixed = seed;
+        let mut noise = || {
+            mixed = (mixed ^ (mixed >> 15)).wrapping_mul(0x2c1b_3c6d).wrapping_add(0x9e37_79b9);
+            f64::from(mixed >> 16) / 65536.0 * 8.0 - 4.0
+        };
+        let step = |px: f64| 0.5 * (1.0 + libm::erf(px / 1.0));
+        core::array::from_fn(|column| {
+            let px = column as f64 - MIDDLE_PX - off_px;
+            (60.0 + 100.0 * (step(px) - step(px - apart_px) + 1.0 - step(px + apart_px)) + noise()) as u8
+        })
+    }
+
+    /// Between neighbours the whole flank tells where the edge is, as surely as it states, though their blur reaches its
+    /// ends.
+    #[test]
+    fn a_flank_between_neighbours_tells_the_column() {
+        const SEEDS: u32 = 24;
+        for apart_px in [4.0, 4.5, 5.0, 6.5, 9.0] {
+            let (mut sum, mut squares, mut found) = (0.0, 0.0, 0.0);
+            for (index, off_px) in (0..).zip([0.0, 0.2, 0.45, -0.3, 0.7, -0.1, 0.6, -0.45]) {
+                for seed in 1 + index * SEEDS..=(index + 1) * SEEDS {
+                    let pixels = row_of(apart_px, off_px, seed);
+                    let row = PixelRow { pixels: &pixels[..], response: &Response::Linear };
+                    let q16 = |px: f64| (px * 65536.0) as i32;
+                    let (column_q16, apart_q16) = (q16(MIDDLE_PX + off_px), q16(apart_px));
+                    let (left_q16, right_q16) = (column_q16 - apart_q16, column_q16 + apart_q16);
+                    let around = Neighbours { left_q16, right_q16 };
+                    let edge = EdgePoint { width_q8: 195, ..EdgePoint::new(0, column_q16, 0) };
+                    let edge = edge.with_polarity(Polarity::Rising);
+                    let Some(mut model) = EdgeModel::settled(row, &edge, around, 600) else { continue };
+                    let Some(fit) = model.quick_fit(row, column_q16 >> 8, around.bounds_q8(), true) else { continue };
+                    model.learn(0, &fit);
+                    let Some(near) = model.locate_near(&row, column_q16, 1 << 17, &around) else { continue };
+                    let error = f64::from(near.column_q16 - column_q16) / f64::from(near.sigma_q16);
+                    (sum, squares, found) = (sum + error, squares + error * error, found + 1.0);
+                }
+            }
+            assert!(found >= 60.0, "{apart_px} px: {found}");
+            let (mean, scatter) = (sum / found, libm::sqrt(squares / found));
+            // Four sigma of a mean of so many rows, and of their scatter.
+            assert!(mean.abs() < 4.0 / libm::sqrt(found), "{apart_px} px: {mean} sigma");
+            assert!((scatter - 1.0).abs() < 4.0 / libm::sqrt(2.0 * found), "{apart_px} px: {scatter} of the stated");
+        }
+    }
 }

@@ -59,11 +59,16 @@ impl<'p> WholeWindow<'p> {
         }
     }
 
+    /// Pixels of the flank, and those of the plateau on the right.
+    #[inline(always)]
+    pub(super) fn flank(&self) -> &'p [u8] {
+        self.pixels.get(self.plateau..).unwrap_or_default()
+    }
+
     /// Given the levels to expect.
     #[inline(always)]
     pub(super) fn moments(&self, levels_q8: [i32; 2]) -> Moments {
-        let flank = self.pixels.get(self.plateau..).unwrap_or_default();
-        Moments::of_bytes(flank, self.phase.weights, levels_q8)
+        Moments::of_bytes(self.flank(), self.phase.weights, levels_q8)
     }
 }
 
@@ -86,6 +91,16 @@ fn sums_of_long(pixels: &[u8], plateau: usize, weights: &[Weight]) -> Sums {
 }
 
 impl Sums {
+    /// Of a flank alone.
+    #[inline(always)]
+    pub(super) fn of_flank(flank: &[u8], weights: &[Weight]) -> Self {
+        match weights.len() {
+            5 => sums_of::<5, 5>(flank, weights),
+            7 => sums_of::<7, 7>(flank, weights),
+            _ => sums_of_long(flank, 0, weights),
+        }
+    }
+
     #[inline(always)]
     fn of(pixels: &[u8], plateau: usize, weights: &[Weight]) -> Self {
         let (left, rest) = pixels.split_at(plateau.min(pixels.len()));

@@ -25,6 +25,15 @@ impl Neighbours {
         column_q16.abs_diff(self.left_q16) < distance_q16 || self.right_q16.abs_diff(column_q16) < distance_q16
     }
 
+    /// Whether each of them is on its own side and, unless it is known for an edge, so far away.
+    pub(crate) fn are_far_but_for(&self, are_edges: [bool; 2], far_q16: u32, column_q16: i32) -> bool {
+        let [left_is_edge, right_is_edge] = are_edges;
+        let is_sound = |on_left_q16: i32, on_right_q16: i32, is_edge: bool| {
+            on_left_q16 < on_right_q16 && (is_edge || on_left_q16.abs_diff(on_right_q16) > far_q16)
+        };
+        is_sound(self.left_q16, column_q16, left_is_edge) && is_sound(column_q16, self.right_q16, right_is_edge)
+    }
+
     /// The nearest of the edges in its row that end an edge's plateaus. One of its own polarity does not: it may be
     /// part of the same edge, since noise can break a long blur.
     pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e EdgePoint>, edge: &EdgePoint) -> Self {
@@ -258,7 +267,7 @@ impl Parts {
 const LEAST_FLANK: i32 = 3;
 
 /// From where to where the pixels are an edge's own: up to where a neighbour's blur begins, or half the way to it.
-fn view(column_q8: i32, reach_q8: i32, (left_q8, right_q8): (i32, i32)) -> (i32, i32) {
+pub(super) fn view(column_q8: i32, reach_q8: i32, (left_q8, right_q8): (i32, i32)) -> (i32, i32) {
     let left = (left_q8 + reach_q8).min((column_q8 + left_q8) >> 1);
     let right = (right_q8 - reach_q8).max((column_q8 + right_q8) >> 1);
     (left, right)

@@ -1,21 +1,27 @@
-//! Lines that go on as before, each alone: they need not be weighed against each other. Of pixels they are located one
-//! by one; of given points either all are such or none.
+//! Lines that go on as before, each in its place: they need not be weighed against each other. Of pixels they are located
+//! one by one; of given points either all are such or none.
+
+use heapless::Vec;
 
 use super::explained::{Flanks, flank};
 use super::table::Table;
-use super::track::RowTime;
+use super::track::{RowTime, State};
 use crate::edge::{EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
-/// Locates the lines that a row shows as the rows before did, from left to right, and adds their flanks. Number of
-/// them; the others have to be looked at closely.
+/// Places of lines that were looked for in vain.
+pub(super) type Missed<const LINES: usize> = Vec<u16, LINES>;
+
+/// Locates the lines that the row before has shown and that need not be weighed against others, from left to right, adds
+/// their flanks, and notes the missed ones. Number of those located; what is left has to be looked at closely.
 pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     table: &mut Table<LINES, KNOTS>,
     limits: &Limits,
     at: &RowTime,
     row: &PixelRow<'_, P>,
     flanks: &mut Flanks<LINES>,
+    missed: &mut Missed<LINES>,
 ) -> usize {
     let column_q16 = |table: &Table<LINES, KNOTS>, index: usize| {
         let place = table.under_way().get(index).copied()?;
@@ -23,40 +29,74 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     };
     let (mut located, mut left_q16) = (0, Neighbours::NONE.left_q16);
     let mut next = column_q16(table, 0);
-    for index in 1..=table.under_way().len() {
+    for index in 0..table.under_way().len() {
         let Some((place, own_q16)) = next else { break };
-        next = column_q16(table, index);
+        next = column_q16(table, index + 1);
         let right_q16 = next.map_or(Neighbours::NONE.right_q16, |(_, right_q16)| right_q16);
         let around = Neighbours { left_q16, right_q16 };
         left_q16 = left_q16.max(own_q16);
-        if let Some(track) = table.track_mut(place)
-            && track.locate_steady(at, row, &around, limits)
-        {
+        let Some(track) = table.track_mut(place) else { continue };
+        if track.locate_steady(at, row, &around, limits) {
             // There is room: one for each line.
-            let _ = flanks.push(flank(track.line.last()));
+            let _ = flanks.push(flank(&track.line.last));
             located += 1;
+            continue;
+        }
+        match locate_between(table, index, &around, limits, at, row) {
+            Some(true) => {
+                let _ = table.track(place).map(|track| flanks.push(flank(&track.line.last)));
+                located += 1;
+            }
+            Some(false) => {
+                let _ = missed.push(place);
+            }
+            None => {}
         }
     }
     located
 }
 
-/// Gives each line its point, where a row shows each as the rows before did and nothing else. Whether it does; else
-/// nothing changes.
+/// Looks closely for the line at an index between these lines. `None` where it has to be weighed against others: one
+/// that is near and not surely another edge.
+#[inline(never)]
+fn locate_between<P: Pixels, const LINES: usize, const KNOTS: usize>(
+    table: &mut Table<LINES, KNOTS>,
+    index: usize,
+    around: &Neighbours,
+    limits: &Limits,
+    at: &RowTime,
+    row: &PixelRow<'_, P>,
+) -> Option<bool> {
+    let place = *table.under_way().get(index)?;
+    let own = table.track(place).filter(|track| track.goes_on_in(at.row))?.line.first.polarity;
+    // One of the same polarity may be a fragment of the same edge.
+    let is_edge = |index: Option<usize>| {
+        let beside = index.and_then(|index| table.track(*table.under_way().get(index)?));
+        beside.is_none_or(|track| track.state == State::Confirmed && track.line.first.polarity != own)
+    };
+    let are_edges = [is_edge(index.checked_sub(1)), is_edge(index.checked_add(1))];
+    table.track_mut(place)?.locate_between(at, row, around, are_edges, limits)
+}
+
+/// Gives each line its point, where a row shows each as the rows before did and nothing else. Whether one of the lines is
+/// young then; `None` where it does not, and nothing has changed.
 pub(super) fn take_steady<const LINES: usize, const KNOTS: usize>(
     table: &mut Table<LINES, KNOTS>,
     limits: &Limits,
     row: u16,
     points: &[EdgePoint],
-) -> bool {
+) -> Option<bool> {
     if points.len() != table.under_way().len() || !are_steady(table, row, points) {
-        return false;
+        return None;
     }
+    let mut has_young = false;
     for (index, point) in points.iter().enumerate() {
         if let Some(track) = table.under_way().get(index).copied().and_then(|place| table.track_mut(place)) {
             track.take_next_point(point, limits);
+            has_young |= track.is_young();
         }
     }
-    true
+    Some(has_young)
 }
 
 /// Whether points and lines, both from left to right, belong together one by one, and no two are so near to each other

@@ -113,12 +113,10 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         true
     }
 
-    /// Takes a line out of those under way; the last one takes its room. `swap_remove` could panic where code is small.
+    /// Takes a line out of those under way; the others stay in their order. `remove` could panic where code is small.
     pub(super) fn leave_out(&mut self, index: usize) {
-        let last = self.under_way.pop();
-        if let (Some(room), Some(last)) = (self.under_way.get_mut(index), last) {
-            *room = last;
-        }
+        let Some(mut last) = self.under_way.pop() else { return };
+        self.under_way.iter_mut().skip(index).rev().for_each(|place| core::mem::swap(place, &mut last));
     }
 
     /// Takes the last of the lines under way out of them; its place.

@@ -74,11 +74,15 @@ impl<const KNOTS: usize> Track<KNOTS> {
         Prediction { column_q16: self.filter.column_after(rows), gate_q16: 0, coasting: false }
     }
 
+    /// Whether its gate may have changed where its points are as sure as before.
+    const fn has_gate_to_renew(&self) -> bool {
+        let points = self.line.points;
+        points <= GATE_POINTS || points.is_multiple_of(GATE_POINTS)
+    }
+
     /// Takes its gate anew where that may have changed.
     fn renew_gate(&mut self, memory: Memory, limits: &Limits) {
-        let points = self.line.points();
-        let is_settled = self.model.is_some() && points > GATE_POINTS;
-        if !is_settled || points.is_multiple_of(GATE_POINTS) {
+        if self.model.is_none() || self.has_gate_to_renew() {
             // It fits: the widest gate is 48 px.
             self.filter.gate_q8 = self.gate_after(1, memory, limits).div_ceil(256) as u16;
         }
@@ -184,7 +188,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Whether a point of its kind in the next row, at the right place, would be its own.
     pub(super) fn may_take_next(&self, row: u16, point: &EdgePoint) -> bool {
         let (first, last) = (self.line.first(), self.line.last());
-        let goes_on = row.abs_diff(last.row) == 1 && (row > last.row) == (last.row > first.row);
+        let advance = i32::from(row) - i32::from(last.row);
+        let goes_on = advance.unsigned_abs() == 1 && advance * (i32::from(last.row) - i32::from(first.row)) > 0;
         self.state == State::Confirmed
             && goes_on
             && point.time_ns >= last.time_ns
@@ -196,11 +201,18 @@ impl<const KNOTS: usize> Track<KNOTS> {
     #[inline(always)]
     pub(super) fn take_next_point(&mut self, point: &EdgePoint, limits: &Limits) {
         let predicted_q16 = self.next_column_q16();
+        let is_as_sure = point.sigma_q16 == self.line.last.sigma_q16;
         self.line.push_next(point.row, point.time_ns, point.column_q16, point.sigma_q16, point.width_q8);
-        let memory = self.memory();
-        self.filter.follow_next(point.column_q16, predicted_q16, memory);
+        self.filter.follow_next(point.column_q16, predicted_q16, self.memory());
         self.missed_rows = 0;
-        self.renew_gate(memory, limits);
+        if !is_as_sure || self.has_gate_to_renew() {
+            self.renew_gate_in_time(limits);
+        }
+    }
+
+    /// Whether its model may look for it in the row after the last one.
+    pub(super) fn goes_on_in(&self, row: u16) -> bool {
+        self.model.is_some() && row.abs_diff(self.line.last.row) == 1
     }
 
     /// Takes the edge's point in a row that shows it as the rows before did, alone between its neighbours. Else the row
@@ -213,15 +225,40 @@ impl<const KNOTS: usize> Track<KNOTS> {
         around: &Neighbours,
         limits: &Limits,
     ) -> bool {
+        if !self.goes_on_in(at.row) || self.line.is_beside_texture {
+            return false;
+        }
         let (column_q16, gate_q16) = (self.next_column_q16(), self.next_gate_q16());
         let around = self.line.untracked.among(*around, column_q16);
         let Some(model) = &mut self.model else { return false };
-        if at.row.abs_diff(self.line.last.row) != 1 || self.line.is_beside_texture {
-            return false;
-        }
         let Some(found) = model.locate_usual(row, column_q16, gate_q16, &around) else { return false };
         self.take_next(&found, column_q16, at, limits);
         true
+    }
+
+    /// Takes the edge's point in the row after the last one, if its model finds it there between its neighbours. `None`
+    /// where one of them is near and no edge for sure.
+    pub(super) fn locate_between<P: Pixels>(
+        &mut self,
+        at: &RowTime,
+        row: &PixelRow<'_, P>,
+        around: &Neighbours,
+        are_edges: [bool; 2],
+        limits: &Limits,
+    ) -> Option<bool> {
+        let (column_q16, gate_q16) = (self.next_column_q16(), self.next_gate_q16());
+        let model = self.model.as_mut()?;
+        if !around.are_far_but_for(are_edges, model.far_q16(), column_q16) {
+            return None;
+        }
+        if !self.line.is_beside_texture
+            && let Some(found) =
+                model.locate_near(row, column_q16, gate_q16, &self.line.untracked.among(*around, column_q16))
+        {
+            self.take_next(&found, column_q16, at, limits);
+            return Some(true);
+        }
+        Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, *at, *row, *around, limits))
     }
 
     /// Takes what the next row shows as the rows before did.
@@ -232,9 +269,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let off_q16 = column_q16.abs_diff(predicted_q16);
         self.line.push_next(at.row, at.time_ns, column_q16, sigma_q16.max(off_q16 / 2), width_q8);
         self.unexpected_points = 0;
-        let points = self.line.points;
         self.filter.follow_next(column_q16, predicted_q16, self.memory());
-        if points <= GATE_POINTS || points.is_multiple_of(GATE_POINTS) {
+        if self.has_gate_to_renew() {
             self.renew_gate_in_time(limits);
         }
     }

@@ -10,7 +10,7 @@ use super::jump::Jump;
 use super::learning::look_at;
 use super::line::Line;
 use super::refinement::Refinement;
-use super::steady::{locate_steady, take_steady};
+use super::steady::{Missed, locate_steady, take_steady};
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
@@ -48,8 +48,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     /// Returns a row at which all lines jump, if that is seen now.
     #[must_use]
     pub(crate) fn row(&mut self, limits: &Limits, columns: u16, row: u16, points: &[EdgePoint]) -> Option<u16> {
-        if take_steady(&mut self.table, limits, row, points) {
-            return self.finish_row(limits, columns, row);
+        if let Some(has_young) = take_steady(&mut self.table, limits, row, points) {
+            return self.stitch(limits, columns, row, has_young);
         }
         let mut candidates = Candidates::new();
         if !points.is_empty() {
@@ -77,9 +77,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         self.finish_row(limits, columns, row)
     }
 
-    /// Ends lines and stitches them after the lines have taken the points of a row; a row at which all of them jump.
+    /// Ends lines and stitches them after they have taken the points of a row; a row at which all of them jump.
     fn finish_row(&mut self, limits: &Limits, columns: u16, row: u16) -> Option<u16> {
-        if !self.end_lines(limits, row) {
+        let has_young = self.end_lines(limits, row);
+        self.stitch(limits, columns, row, has_young)
+    }
+
+    /// Stitches lines where this row has shown a young one; a row at which all of them jump.
+    fn stitch(&mut self, limits: &Limits, columns: u16, row: u16, has_young: bool) -> Option<u16> {
+        if !has_young {
             return None;
         }
         let jump = self.jump(columns, row);
@@ -109,7 +115,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         candidates: &mut Candidates<LINES>,
         flanks: &mut Flanks<LINES>,
     ) {
-        let steady = locate_steady(&mut self.table, limits, &at, &pixels, flanks);
+        let mut missed = Missed::new();
+        let steady = locate_steady(&mut self.table, limits, &at, &pixels, flanks, &mut missed);
         self.count_points(steady as u32);
         if steady == self.table.under_way().len() {
             return;
@@ -118,7 +125,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         let mut located = 0;
         for index in 0..candidates.len() {
             let Some(Candidate { prediction, slot, role, .. }) = candidates.get(index) else { continue };
-            let is_sought = *role == Role::Confirmed && !prediction.coasting;
+            let is_sought = *role == Role::Confirmed && !prediction.coasting && !missed.contains(slot);
             if is_sought
                 && let Some(track) = self.table.track_mut(*slot)
                 && track.locate(prediction, at, pixels, candidates.around(index), limits)
