@@ -159,6 +159,7 @@ impl Step<'_> {
             width_q12: template.width_q12(widening, template.per_width(norms), per_contrast),
             residual_q16: moments.residual_q16(norms.per_slope, per_widening, norms.per_freedom_q16),
             off_q8: *off_q8,
+            of_flank: [false; 2],
         })
     }
 }

@@ -59,6 +59,8 @@ pub(super) struct Fit {
     pub(super) residual_q16: u32,
     /// The row's own levels minus the mean ones.
     pub(super) off_q8: [i32; 2],
+    /// Whether each is that of the flank's own outermost pixel, which changes with the phase of the pixel.
+    pub(super) of_flank: [bool; 2],
 }
 
 impl EdgeModel {
@@ -248,8 +250,11 @@ impl EdgeModel {
     fn learn_part(&mut self, kind: usize, fit: &Fit, parts_log2: u32) {
         // A few rows of something else are no texture.
         let most_q8 = 4 * i32::from(self.white_q8);
-        for (level_scatter_q8, off_q8) in self.level_scatter_q8.iter_mut().zip(fit.off_q8) {
-            *level_scatter_q8 = toward(*level_scatter_q8, off_q8.abs().min(most_q8), parts_log2);
+        let levels = fit.off_q8.into_iter().zip(fit.of_flank);
+        for (level_scatter_q8, (off_q8, is_of_flank)) in self.level_scatter_q8.iter_mut().zip(levels) {
+            // A single pixel is twice as noisy as the mean of four.
+            let off_q8 = off_q8.abs() >> u32::from(is_of_flank);
+            *level_scatter_q8 = toward(*level_scatter_q8, off_q8.min(most_q8), parts_log2);
         }
         if let Some(means_q16) = self.levels_q16.get_mut(kind) {
             for (mean_q16, off_q8) in means_q16.iter_mut().zip(fit.off_q8) {

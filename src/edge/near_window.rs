@@ -11,8 +11,8 @@ pub(super) struct NearWindow<'p> {
     pub(super) flank: &'p [u8],
     /// On the left of it, and on the right.
     pub(super) plateaus: [&'p [u8]; 2],
-    /// How many half pixels each is worth: one that is the flank's own outermost pixel tells half as much of the level.
-    pub(super) halves: [u32; 2],
+    /// Whether each is the flank's own outermost pixel.
+    pub(super) of_flank: [bool; 2],
     pub(super) phase: &'static Phase,
     /// Where the step is expected: the phase that is nearest, in 1/256 px.
     pub(super) centre_q8: i32,
@@ -42,9 +42,7 @@ impl<'p> NearWindow<'p> {
             row.light_bytes(Stretch { from: usize::try_from(from).ok()?, to: usize::try_from(to).ok()? })
         };
         let plateaus = [bytes(from, left_to)?, bytes(right_from, to)?];
-        let halves = |is_own: bool, plateau: &[u8]| if is_own { 1 } else { 2 * plateau.len() as u32 };
-        let [left, right] = plateaus;
-        let halves = [halves(left_to > first, left), halves(right_from < end, right)];
-        Some(Self { flank: bytes(first, end)?, plateaus, halves, phase, centre_q8 })
+        let of_flank = [left_to > first, right_from < end];
+        Some(Self { flank: bytes(first, end)?, plateaus, of_flank, phase, centre_q8 })
     }
 }

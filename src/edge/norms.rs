@@ -41,8 +41,10 @@ impl Norms {
         of_levels_q12: 0,
     };
 
-    /// Sigma of the shift as [`Norms::sigma_q8`], beside plateaus of so many half pixels.
-    pub(super) const fn sigma_beside_q8(&self, halves: [u32; 2]) -> u16 {
+    /// Sigma of the shift as [`Norms::sigma_q8`], beside plateaus of so many pixels; one that is the flank's own tells half
+    /// as much of the level.
+    pub(super) const fn sigma_beside_q8(&self, [left, right]: [u32; 2], [is_left_own, is_right_own]: [bool; 2]) -> u16 {
+        let halves = [left << !is_left_own as u32, right << !is_right_own as u32];
         sigma_q8(self.slope as u32, self.slope_slope as u32, 2 * of_levels_q12(halves))
     }
 

@@ -113,6 +113,7 @@ impl EdgeModel {
             width_q12: (i32::from(template.width_q8) << 4) + change_q12.clamp(-(1 << 20), (1 << 20) - 1),
             residual_q16,
             off_q8,
+            of_flank: [parts.is_narrow; 2],
         })
     }
 

@@ -125,6 +125,7 @@ impl EdgeModel {
             per_freedom_q16,
             own_q8,
             off_q8,
+            of_flank: [false; 2],
             column_q16,
             sigma_q16,
             width_q12,
@@ -143,15 +144,16 @@ impl EdgeModel {
         if !self.is_alone(column_q8, bounds_q8, row.columns()) {
             return None;
         }
-        let NearWindow { flank, plateaus: [left, right], halves, phase, centre_q8 } =
+        let NearWindow { flank, plateaus: [left, right], of_flank, phase, centre_q8 } =
             NearWindow::new(row, column_q8, self.template(), bounds_q8)?;
         let own_q8 = [mean_q8(left)?, mean_q8(right)?];
         let (off_q8, contrast) = self.against_means(0, own_q8)?;
         let products = Sums::of_flank(flank, phase.weights).products(phase, own_q8);
         let (column_q16, width_q12) = self.moved(phase, centre_q8, &products, &contrast);
-        let per_freedom_q16 = per_freedom_q16(flank.len() as u32, [left.len() as u32, right.len() as u32]);
-        let sigma_q16 = sigma_q16(phase.norms.sigma_beside_q8(halves), self.noise_q8, contrast.reciprocal);
-        Some(UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, column_q16, sigma_q16, width_q12 })
+        let pixels = [left.len() as u32, right.len() as u32];
+        let per_freedom_q16 = per_freedom_q16(flank.len() as u32, pixels);
+        let sigma_q16 = sigma_q16(phase.norms.sigma_beside_q8(pixels, of_flank), self.noise_q8, contrast.reciprocal);
+        Some(UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 })
     }
 
     /// Column and width, from the inner products at a phase.
@@ -168,7 +170,8 @@ impl EdgeModel {
     /// Measures what remains of a row, and learns from it if it is time; `None` where too much remains.
     #[inline(never)]
     fn measure_usual(&mut self, step: UsualStep<'_>) -> Option<()> {
-        let UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, column_q16, sigma_q16, width_q12 } = step;
+        let UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 } =
+            step;
         let Norms { per_slope, per_widening, .. } = phase.norms;
         let moments = Moments::of_bytes(flank, phase.weights, own_q8);
         let residual_q16 = moments.residual_q16(per_slope, Some(per_widening), per_freedom_q16);
@@ -176,7 +179,7 @@ impl EdgeModel {
             return None;
         }
         if self.learns_next() {
-            self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8 });
+            self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8, of_flank });
         }
         Some(())
     }
@@ -191,6 +194,7 @@ struct UsualStep<'p> {
     /// The row's own levels, and what they are off the mean ones.
     own_q8: [i32; 2],
     off_q8: [i32; 2],
+    of_flank: [bool; 2],
     column_q16: i32,
     sigma_q16: u32,
     width_q12: i32,

@@ -141,7 +141,7 @@ impl<'p, P: Pixels> Window<'p, P> {
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
         let pixels = phase.weights.len() as i32;
         let parts = Parts::new(column_q8, first, pixels, template, bounds_q8, (row.columns(), row.colours()))?;
-        let Parts { plateaus, flank, skipped } = parts;
+        let Parts { plateaus, flank, skipped, .. } = parts;
         Some(Self {
             row,
             flank,
@@ -219,6 +219,8 @@ pub(super) struct Parts {
     pub(super) flank: Stretch,
     /// Pixels of the template before the flank's first.
     pub(super) skipped: usize,
+    /// Whether the plateaus are the flank's own outermost pixels.
+    pub(super) is_narrow: bool,
 }
 
 impl Parts {
@@ -252,6 +254,7 @@ impl Parts {
             plateaus: [stretch(from, left_to), stretch(right_from, to)],
             flank: stretch(flank_from, flank_to),
             skipped: (flank_from - first) as usize,
+            is_narrow,
         })
     }
 
