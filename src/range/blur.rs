@@ -38,9 +38,9 @@ const PLACE: (i32, i32) = (21_132, 100_000);
 /// sigma, and save a round.
 const PATH_STEPS: usize = 2;
 
-/// A good edge may be so much more blurred than its slope implies, as a factor on the variance: the lens is softer in
-/// the corners, and not everything is in focus.
-const SOFTER: (i32, i32) = (3, 2);
+/// A good edge may be so much more blurred than its slope implies, as the logarithm of a factor on the variance: of 3/2.
+/// The lens is softer in the corners, and not everything is in focus.
+const LN_SOFTER: (i32, i32) = (405_465, 1_000_000);
 
 /// How far the width of an edge without a halo may be below the expected one, as a sigma of its logarithm, where
 /// none is stated: only sharpening makes edges much narrower, and it leaves a halo (`false_distances::of_leaning_bars` with
@@ -155,9 +155,8 @@ impl<S: Scalar> BlurMeasurement<S> {
         let longer = path.to(path.px.abs() + sigma_px + sigma_px);
         let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
         let most = |sigma_ln, path: &Path<S>| self.with_lens(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
-        let softer = S::ratio(SOFTER.0, SOFTER.1);
         self.excess_ln(&shorter) >= -most(self.sigma_narrow_ln, &shorter)
-            && self.excess_ln(&longer) <= ln(softer) + most(self.sigma_ln, &longer)
+            && self.excess_ln(&longer) <= S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(self.sigma_ln, &longer)
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.

@@ -28,8 +28,14 @@ impl<N: Near> Normal<N> {
         Self { x, z, moved: near_dot(normal, position) }
     }
 
-    fn less(&self, other: &Self) -> Self {
-        Self { x: self.x - other.x, z: self.z - other.z, moved: self.moved - other.moved }
+    /// Of a direction along the x axis.
+    fn of_right(x: N, [_, ey, ez]: [N; 3], [_, py, pz]: [N; 3]) -> Self {
+        let z = x.times(ey);
+        Self { x: N::ZERO, z, moved: z.times(pz).minus_product(x.times(ez), py) }
+    }
+
+    fn minus_twice(self) -> Self {
+        Self { x: -(self.x + self.x), z: -(self.z + self.z), moved: -(self.moved + self.moved) }
     }
 
     fn with_reach(self, more: i32) -> Self {
@@ -150,8 +156,15 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
     pub(crate) fn observe(&mut self, sample: &Sample<S>) -> Option<Observation<S>> {
         let spread = &sample.spread;
         let (at, half) = ([sample.column_px, sample.row_px], [spread.column_px, spread.row_px]);
-        let span = self.spans.span(at, half)?;
-        let rays = self.rays(&span, sample.time_s, spread.time_s);
+        let span = self.spans.span(at, half);
+        self.observe_span(sample, span.as_ref())
+    }
+
+    // Not inlined: what a lens needs has left the stack before.
+    #[inline(never)]
+    fn observe_span(&self, sample: &Sample<S>, span: Option<&RaySpan<S::Near>>) -> Option<Observation<S>> {
+        let (span, spread) = (span?, &sample.spread);
+        let rays = self.rays(span, sample.time_s, spread.time_s);
         let mut normals = self.normals(&rays);
         // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and
         // that of a product the product of the means and this. What it would add to the lean is the product of two
@@ -174,11 +187,13 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
     /// What the ray of a point at the start of a time differs by from that at its end.
     pub(super) fn sweep(&mut self, point: &Sample<S>, half_s: S) -> Option<Normals<S>> {
         let span = self.spans.span([point.column_px, point.row_px], [S::ZERO; 2])?;
-        let [start, end] =
-            [-half_s, half_s].map(|off_s| self.normals(&self.rays(&span, point.time_s + off_s, S::ZERO)));
-        let reach = start.units.reach().max(end.units.reach());
-        let [start, end] = [start, end].map(|normals| normals.with_reach(reach));
-        Some(Normals { down: start.down.less(&end.down), lean: start.lean.less(&end.lean), ..start })
+        let rays = self.rays(&span, point.time_s, half_s);
+        let Rays { direction, half, position, half_position, .. } = rays;
+        let (mut down, mut lean) =
+            (Normal::of(half, self.gravity, position), Normal::of_flat(half, self.lean, position));
+        down.moved = down.moved + Normal::of(direction, self.gravity, half_position).moved;
+        lean.moved = lean.moved + Normal::of_flat(direction, self.lean, half_position).moved;
+        Some(Normals { down: down.minus_twice(), lean: lean.minus_twice(), ..self.normals(&rays) })
     }
 
     /// Those through a ray and the two directions that an edge is made of.
@@ -186,14 +201,15 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let Rays { direction, along_row, position, units, .. } = *rays;
         let down = |ray| Normal::of(ray, self.gravity, position);
         let lean = |ray| Normal::of_flat(ray, self.lean, position);
-        Normals {
-            down: down(direction),
-            lean: lean(direction),
-            down_per_px: down(along_row),
-            lean_per_px: lean(along_row),
-            units,
-            is_inlier: true,
-        }
+        let none = S::Near::ZERO;
+        let [down_per_px, lean_per_px] = match along_row {
+            // Neither the camera has turned nor the lens distorts.
+            [right, y, z] if y == none && z == none => {
+                [self.gravity, self.lean].map(|axis| Normal::of_right(right, axis, position))
+            }
+            _ => [down(along_row), lean(along_row)],
+        };
+        Normals { down: down(direction), lean: lean(direction), down_per_px, lean_per_px, units, is_inlier: true }
     }
 
     /// The rays in the axes of frame start, where they look and where from.
@@ -211,10 +227,6 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let (ahead, across) = (rotation.ahead(one), rotation.across([u, w]));
         let is_straight = dw == none;
         let along_row = if is_straight { rotation.right(du) } else { rotation.across([du, dw]) };
-        if half_s == S::ZERO {
-            let direction = near_add(ahead, across);
-            return Rays { direction, half: [none; 3], along_row, position, half_position, units };
-        }
         let half = rotation.across([half_u, half_w]);
         // By half of the span the camera turns on: exp(±θ) (d ± h), to the second order.
         let turned = near_cross(angle, near_add(ahead, across));

@@ -2,7 +2,7 @@
 
 use crate::edge::EdgePoint;
 use crate::line::{Knot, Line};
-use crate::scalar::{NS_PER_S, Scalar};
+use crate::scalar::{NS_PER_S, Scalar, over};
 
 /// One observation of an edge in real numbers: a point of it, or the mean over a span of rows.
 ///
@@ -53,6 +53,20 @@ struct Mean<S> {
     sigma_px: S,
 }
 
+/// What turns a sum over the points of a knot into their mean: a whole number, in 1/65536 px, or in nanoseconds.
+struct PerPoint<S> {
+    of_one: S,
+    of_q16: S,
+    of_ns: S,
+}
+
+impl<S: Scalar> PerPoint<S> {
+    fn of(points: u16) -> Self {
+        let of_one = over(S::from_i32(i32::from(points)));
+        Self { of_one, of_q16: of_one * S::ratio(1, 1 << 16), of_ns: of_one * S::ratio(1, NS_PER_S as i32) }
+    }
+}
+
 impl<S: Scalar> Mean<S> {
     /// With the spread of its rows, and the direction of the line from the neighbours on either side.
     fn with_spread(self, row_px: S, before: &Self, after: &Self) -> Sample<S> {
@@ -73,14 +87,14 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let spacing = self.row_spacing::<S>();
         let first = Self::point_of::<S>(&self.first);
         // Most knots have as many points as the one before.
-        let (mut points, mut per_point, mut row_sigma) = (0, S::ZERO, S::ZERO);
+        let (mut points, mut per_point, mut row_sigma) = (0, PerPoint::of(0), S::ZERO);
         let mut means = self.filled().map(move |knot| {
             if knot.points != points {
                 points = knot.points;
-                per_point = S::from_i32(i32::from(points)).reciprocal();
+                per_point = PerPoint::of(points);
                 row_sigma = self.row_sigma(points, spacing);
             }
-            (row_sigma, self.mean(knot, &first, per_point))
+            (row_sigma, self.mean(knot, &first, &per_point))
         });
         // Windows of three; at the ends the knot itself stands in for the neighbour it lacks.
         let (mut before, mut next) = (None, means.next());
@@ -101,7 +115,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let at = |place: usize| {
             let mean = |place| {
                 let knot = self.filled().nth(place)?;
-                Some((knot.points, self.mean(knot, &first, S::from_i32(i32::from(knot.points)).reciprocal())))
+                Some((knot.points, self.mean(knot, &first, &PerPoint::of(knot.points))))
             };
             let (points, sample) = mean(place)?;
             let [before, after] = [place.checked_sub(1), Some(place + 1)].map(|place| place.and_then(mean));
@@ -132,17 +146,15 @@ impl<const KNOTS: usize> Line<KNOTS> {
         Mean { column_px: point.column_px(), row_px, time_s: point.time_s(), sigma_px: S::ZERO }
     }
 
-    fn mean<S: Scalar>(&self, knot: &Knot, first: &Mean<S>, per_point: S) -> Mean<S> {
+    fn mean<S: Scalar>(&self, knot: &Knot, first: &Mean<S>, per: &PerPoint<S>) -> Mean<S> {
         let rows = if self.last.row < self.first.row { -i64::from(knot.rows) } else { i64::from(knot.rows) };
-        let mean = |sum: i64| S::from_i64(sum) * per_point;
-        let per_q16 = S::ratio(1, 1 << 16);
         let variances = knot.variances_q32.min(i64::MAX as u64) as i64;
         Mean {
-            column_px: first.column_px + mean(knot.columns_q16) * per_q16,
-            row_px: first.row_px + mean(rows),
-            time_s: first.time_s + mean(knot.times_ns) * S::ratio(1, NS_PER_S as i32),
+            column_px: first.column_px + S::from_i64(knot.columns_q16) * per.of_q16,
+            row_px: first.row_px + S::from_i64(rows) * per.of_one,
+            time_s: first.time_s + S::from_i64(knot.times_ns) * per.of_ns,
             // The root of their sum, over their number.
-            sigma_px: S::from_i64(variances).sqrt() * per_q16 * per_point,
+            sigma_px: S::from_i64(variances).sqrt() * per.of_q16,
         }
     }
 

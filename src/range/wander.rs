@@ -29,16 +29,16 @@ pub(super) fn rough_sigma_px<S: Scalar>(stretch: &Observation<S>, roughness_px: 
 /// The residual of a stretch of the edge.
 pub(super) struct Residual<'a, S: Scalar> {
     stretch: &'a Observation<S>,
-    /// In units of the sigma that the fit has used.
-    deviation: S,
+    /// In 1/2²⁰ of the sigma that the fit has used.
+    deviation_q20: i32,
     noise: S::Kept,
 }
 
 impl<'a, S: Scalar> Residual<'a, S> {
     pub(super) fn new(stretch: &'a Observation<S>, deviation: S) -> Self {
-        let cap = S::from_i32(MOST_SIGMAS);
-        let noise = (stretch.sigma_px() * stretch.per_sigma()).kept();
-        Self { stretch, deviation: deviation.min(cap).max(-cap), noise }
+        let cap_q20 = MOST_SIGMAS << 20;
+        let deviation_q20 = (deviation * S::from_i32(1 << 20)).to_i32().clamp(-cap_q20, cap_q20);
+        Self { stretch, deviation_q20, noise: (stretch.sigma_px() * stretch.per_sigma()).kept() }
     }
 
     /// The stated noise, in the same units.
@@ -143,14 +143,25 @@ fn modes_and_spare(count: usize) -> [usize; 2] {
 /// are straight, and need no modes.
 #[inline(never)]
 fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
-    let squares =
-        residuals.iter().fold(S::ZERO, |sum, residual| sum.plus_product(residual.deviation, residual.deviation));
+    let squares = squares_of(residuals);
     let within = |count: usize, sigmas: i32| {
         let count = S::from_i32(count as i32);
         squares <= count * chance_limit(count, S::from_i32(sigmas))
     };
     let [modes, spare] = modes_and_spare(residuals.len());
     modes > 0 && within(modes, WANDERING_SIGMAS) && within(spare, NOISY_SIGMAS)
+}
+
+/// Sum of the squares of all deviations.
+#[inline(never)]
+fn squares_of<S: Scalar>(residuals: &[Residual<'_, S>]) -> S {
+    let square_q32 = |residual: &Residual<'_, S>| {
+        let deviation_q16 = i64::from(residual.deviation_q20 >> 4);
+        deviation_q16 * deviation_q16
+    };
+    let per_q16 = S::ratio(1, 1 << 16);
+    // Of more samples than a line has these would still fit.
+    S::from_i64(residuals.iter().map(square_q32).fold(0, i64::wrapping_add)) * per_q16 * per_q16
 }
 
 fn rows_per_s<S: Scalar>(setup: &Setup<S>) -> S {
@@ -245,22 +256,15 @@ impl<S: Scalar> Shown<S> {
         let [modes, _] = modes_and_spare(residuals.len());
         let of_noise = if kernel.is_none() { S::from_i32(modes as i32) } else { none };
         *self = Self { of_noise, modes, ..Self::NOTHING };
-        let (mut rest, mut stated) = (none, none);
-        for residual in residuals {
-            let (deviation, noise) = (residual.deviation, residual.noise());
-            (rest, stated) = (rest.plus_product(deviation, deviation), stated.plus_product(noise, noise));
-        }
+        let stated = residuals.iter().map(Residual::noise).fold(none, |sum, noise| sum.plus_product(noise, noise));
+        let mut rest = squares_of(residuals);
         let places = residuals.iter().map(|residual| (residual.stretch.time_s(), residual.stretch.per_sigma()));
         let mut mode = Modes::<S, N>::new(places);
         for order in 0..SPENT + modes {
             if order > 0 {
                 mode.advance();
             }
-            let along = mode
-                .values()
-                .zip(residuals)
-                .fold(none, |sum, (part, residual)| sum.plus_product(part, residual.deviation));
-            let power = along * along * mode.per_square();
+            let power = mode.power(residuals.iter().map(|residual| residual.deviation_q20));
             rest = rest - power;
             if order >= SPENT {
                 self.power = self.power + power;

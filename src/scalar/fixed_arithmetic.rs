@@ -4,7 +4,8 @@ use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::fixed::{INFINITE, LARGEST, Q32, SMALLEST};
-use super::mantissa::{product, reciprocal};
+use super::mantissa::reciprocal;
+use super::product::product;
 use super::scalar::Scalar;
 
 impl Add for Q32 {

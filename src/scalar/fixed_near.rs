@@ -3,8 +3,8 @@
 use ::fixed::types::I4F28;
 
 use super::fixed::Q32;
-use super::mantissa::{product, product_over_28_bits};
 use super::near::{Arithmetic, Near, sealed};
+use super::product::{product, product_over_28_bits};
 use super::scalar::Scalar;
 
 impl sealed::Sealed for I4F28 {}
@@ -25,14 +25,6 @@ pub struct Factor {
 
 /// Exponent of what small numbers are magnified by: what is left of an observation after a first round.
 const MAGNIFIED: i32 = 4;
-
-/// The product, to the nearest number.
-// Where it takes some twenty instructions it is a call.
-#[cfg_attr(target_has_atomic = "32", inline(always))]
-#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
-fn times(a: i32, b: i32) -> i32 {
-    product_over_28_bits(a, b)
-}
 
 #[cfg_attr(target_has_atomic = "32", inline(always))]
 #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
@@ -66,7 +58,7 @@ impl Arithmetic for I4F28 {
 
     #[inline]
     fn times(self, other: Self) -> Self {
-        Self::from_bits(times(self.to_bits(), other.to_bits()))
+        Self::from_bits(product_over_28_bits(self.to_bits(), other.to_bits()))
     }
 
     #[inline]

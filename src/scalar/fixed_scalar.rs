@@ -79,6 +79,16 @@ impl Scalar for Q32 {
     }
 
     #[inline(never)]
+    fn to_i32(self) -> i32 {
+        let size = match self.exponent {
+            right @ -31..=0 => self.mantissa.wrapping_abs() >> -right,
+            right if right < 0 => 0,
+            _ => i32::MAX,
+        };
+        if self.mantissa < 0 { -size } else { size }
+    }
+
+    #[inline(never)]
     fn reciprocal(self) -> Self {
         // Its exponent has yet to be seen to lie within the range.
         let Self { mantissa, exponent } = if self.mantissa == 0 { return Self::ONE / self } else { self.inverse() };

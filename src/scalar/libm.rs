@@ -56,6 +56,10 @@ macro_rules! scalar_on_libm {
                 self as i64
             }
 
+            fn to_i32(self) -> i32 {
+                self as i32
+            }
+
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
             }

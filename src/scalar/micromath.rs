@@ -91,6 +91,10 @@ impl Scalar for Micro {
         self.0 as i64
     }
 
+    fn to_i32(self) -> i32 {
+        self.0 as i32
+    }
+
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }

@@ -12,6 +12,7 @@
 //! What is near one and shares a power of two with others (rays, equations) is a [`Near`]: the floating-point number
 //! itself, or 32 bits beside [`Q32`], which cost half as much.
 
+mod product;
 mod near;
 mod scalar;
 mod whole;
@@ -40,6 +41,7 @@ pub use self::micromath::Micro;
 #[cfg(feature = "fixed")]
 pub use fixed::Q32;
 pub(crate) use near::{Arithmetic, Near, near_add, near_cross, near_dot};
+pub(crate) use product::product_over_32_bits;
 pub use scalar::Scalar;
 pub(crate) use scalar::{NS_PER_S, hypot, ln, over, size_of_all};
 pub(crate) use vector::{add, cross, dot, on_axis, scale, sub};

@@ -65,6 +65,12 @@ pub trait Scalar:
     /// Arc tangent in radians, within ±π/2.
     fn atan(self) -> Self;
 
+    /// The whole part of what fits into 32 bits; the largest of them of its sign where it is larger.
+    #[doc(hidden)]
+    fn to_i32(self) -> i32 {
+        self.to_i64().clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    }
+
     /// The exponent of a power of two that it is smaller than; zero where none is needed.
     #[doc(hidden)]
     fn size(self) -> i32;
@@ -169,14 +175,11 @@ pub(crate) fn ln<S: Scalar>(x: S) -> S {
     let (half, two) = (S::ratio(1, 2), S::ONE + S::ONE);
     let (mut part, mut halvings) = (x, 0);
     // To 0.7 to 1.4, where the series below is short.
-    for _ in 0..40 {
-        if part > S::ratio(7, 5) {
-            (part, halvings) = (part * half, halvings + 1);
-        } else if part < S::ratio(7, 10) {
-            (part, halvings) = (part * two, halvings - 1);
-        } else {
-            break;
-        }
+    while part > S::ratio(7, 5) && halvings < 40 {
+        (part, halvings) = (part * half, halvings + 1);
+    }
+    while part < S::ratio(7, 10) && halvings > -40 {
+        (part, halvings) = (part * two, halvings - 1);
     }
     // ln x = 2 artanh((x − 1)/(x + 1))
     let t = (part - S::ONE) / (part + S::ONE);
