@@ -224,15 +224,13 @@ impl<S: Scalar> Solution<S> {
 
     /// Covariance from the noise of all equations, the priors included.
     pub(crate) fn covariance(&self) -> Covariance<S> {
-        let (q, w, bb) = (self.mean_q, self.mean_w, over(self.ww));
-        if !(self.qq > S::ZERO) {
+        let (w, bb) = (self.mean_w, over(self.ww));
+        let (q, rr) = if self.qq > S::ZERO {
+            (self.mean_q, self.variance_of_inverse_depth())
+        } else {
             // The motion says nothing of the depth.
-            return Covariance {
-                variance: [over(self.weight) + w * w * bb, S::UNKNOWN * S::UNKNOWN, bb],
-                mixed: [S::ZERO, -(w * bb), S::ZERO],
-            };
-        }
-        let rr = S::ONE / self.qq + self.c * self.c * bb;
+            (S::ZERO, S::UNKNOWN * S::UNKNOWN)
+        };
         let rb = -(self.c * bb);
         // a = mean y − q̄ ρ − w̄ β
         let aa = over(self.weight) + q * q * rr + w * w * bb + (q * w + q * w) * rb;

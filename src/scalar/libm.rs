@@ -60,6 +60,10 @@ macro_rules! scalar_on_libm {
                 self as i32
             }
 
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
+
             fn is_finite(self) -> bool {
                 $float::is_finite(self)
             }

@@ -95,6 +95,10 @@ impl Scalar for Micro {
         self.0 as i32
     }
 
+    fn abs(self) -> Self {
+        Self(f32::abs(self.0))
+    }
+
     fn is_finite(self) -> bool {
         self.0.is_finite()
     }

@@ -142,6 +142,10 @@ macro_rules! near_itself {
             fn over(self, other: Self) -> Self {
                 self / other
             }
+
+            fn abs(self) -> Self {
+                Scalar::abs(self)
+            }
         }
     };
 }

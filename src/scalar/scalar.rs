@@ -130,11 +130,14 @@ pub trait Scalar:
     }
 
     /// The larger of two numbers; the other one where one is not a number.
+    // Where a comparison of floats is a call, so is this: the smallest cores.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn max(self, other: Self) -> Self {
         if self >= other || other.is_nan() { self } else { other }
     }
 
     /// The smaller of two numbers; the other one where one is not a number.
+    #[cfg_attr(not(target_has_atomic = "32"), inline(never))]
     fn min(self, other: Self) -> Self {
         if self <= other || other.is_nan() { self } else { other }
     }
@@ -165,6 +168,7 @@ pub(crate) fn size_of_all<S: Scalar, const N: usize>(values: [S; N]) -> i32 {
 }
 
 /// The reciprocal of a positive number; zero for any other.
+#[cfg_attr(not(target_has_atomic = "32"), inline(never))]
 pub(crate) fn over<S: Scalar>(value: S) -> S {
     if value > S::ZERO { value.reciprocal() } else { S::ZERO }
 }
