@@ -10,7 +10,7 @@ use crate::scalar::{Scalar, over, product_over_32_bits as product};
 /// In integers: what tells chance from a wander needs no more, and cores without floating point take a fifth of the
 /// time.
 ///
-/// *Source*: the three-term recurrence of discrete orthogonal polynomials (Forsythe 1957), each polynomial doubled: that
+/// *Source*: the three-term recurrence of discrete orthogonal polynomials (Forsythe 1957), each one doubled: that
 /// keeps their size.
 pub(super) struct Modes<S, const N: usize> {
     /// Along the edge, −1 to 1 from the first sample to the last, in 1/2²⁸.
