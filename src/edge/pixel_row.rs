@@ -184,7 +184,7 @@ pub(super) fn sum(pixels: &[u8]) -> u32 {
 }
 
 /// Mean of some bytes in 1/256 grey level, to the nearest.
-#[inline(always)]
+#[inline(never)] // it takes 200 bytes of flash
 pub(super) fn mean_q8(bytes: &[u8]) -> Option<i32> {
     mean(sum(bytes) << 8, bytes.len() as u32)
 }

@@ -255,8 +255,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             && let Some(found) =
                 model.locate_near(row, column_q16, gate_q16, &self.line.untracked.among(*around, column_q16))
         {
-            self.take_next(&found, column_q16, at, limits);
-            return Some(true);
+            return Some(self.take_located(&found, column_q16, at, limits));
         }
         Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, *at, *row, *around, limits))
     }
@@ -300,9 +299,15 @@ impl<const KNOTS: usize> Track<KNOTS> {
             self.line.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
         }
+        self.take_located(&found, prediction.column_q16, &at, limits)
+    }
+
+    /// Takes what its model has found.
+    #[inline(never)]
+    fn take_located(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) -> bool {
         self.unexpected_points = 0;
         // A row that disagrees with its line weighs less.
-        let off_q16 = found.column_q16.abs_diff(prediction.column_q16);
+        let off_q16 = found.column_q16.abs_diff(predicted_q16);
         let point = EdgePoint {
             time_ns: at.time_ns,
             column_q16: found.column_q16,

@@ -78,6 +78,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Ends lines and stitches them after they have taken the points of a row; a row at which all of them jump.
+    #[inline(never)] // what it needs is not on the stack while points are matched
     fn finish_row(&mut self, limits: &Limits, columns: u16, row: u16) -> Option<u16> {
         let has_young = self.end_lines(limits, row);
         self.stitch(limits, columns, row, has_young)
