@@ -148,7 +148,8 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         strays
     }
 
-    /// Parts a line at a cut. Number of points that are left out.
+    /// Parts a line at a cut. Number of points that are left out: of the knot in which it turns, and of a part without a
+    /// place of its own.
     fn part_at(&mut self, place: u16, cut: &Cut) -> u16 {
         let shorter = cut.points_before.min(cut.points_after);
         let later = if shorter < LEAST_PART_POINTS { None } else { self.copy(place) };
@@ -156,12 +157,14 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
             later.line.keep_after(cut);
         }
         let Some(track) = self.track_mut(place) else { return 0 };
+        let whole = track.line.points;
         if later.is_some() || cut.points_before >= cut.points_after {
             track.line.keep_before(cut);
         } else {
             track.line.keep_after(cut);
         }
-        if later.is_some() { 0 } else { shorter }
+        let of_later = if later.is_some() { cut.points_after } else { 0 };
+        whole.saturating_sub(track.line.points).saturating_sub(of_later)
     }
 
     /// Puts the same line that has ended into a free place, too; that place, if there is one.
