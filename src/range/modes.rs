@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, over, product_over_32_bits as product};
 /// Polynomials of the row, orthogonal over the samples with their weights: a constant, a slope, a bow, and so on, one
 /// after the other. Each has one value for each sample, in units of its sigma and of the mode's own.
 ///
-/// In integers: what tells chance from a wander needs no more, and cores without floating point take a fifth of the
+/// In integers: what tells chance from a wander needs no more, and cores without floating point take a third of the
 /// time.
 ///
 /// *Source*: the three-term recurrence of discrete orthogonal polynomials (Forsythe 1957), each one doubled: that

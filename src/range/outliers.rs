@@ -113,7 +113,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         for _ in 0..REWEIGHTING_ROUNDS {
             let mut has_settled = true;
             let near = solution.near(self.equations.units);
-            for (equation, scale) in self.equations.observed.iter_mut().zip(scales.iter_mut()) {
+            let kept = self.equations.observed.iter_mut().zip(scales.iter_mut()).zip(&self.observations);
+            for ((equation, scale), _) in kept.filter(|(_, observation)| observation.normals.is_inlier) {
                 let deviation = near.deviation::<S>(equation).abs() * *scale;
                 let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
                 let factor = *scale / next;
@@ -142,7 +143,11 @@ fn least_scale<S: Scalar>() -> S {
 /// A robust scale of deviations: two thirds of them stay below it, as normal ones stay below one sigma. No sort is
 /// needed, which could panic.
 pub(crate) fn robust_scale_of<S: Scalar>(sizes: &[S]) -> S {
-    let usual = sizes.iter().copied().filter(|size| !is_beyond_robust_scale(*size, sizes)).reduce(S::max);
+    let usual = sizes.iter().copied().fold(None, |usual: Option<S>, size| {
+        // Only of what is larger than those before it is asked: that takes a comparison with each.
+        let is_usual = !usual.is_some_and(|most| most >= size) && !is_beyond_robust_scale(size, sizes);
+        if is_usual { Some(usual.map_or(size, |most| most.max(size))) } else { usual }
+    });
     usual.unwrap_or(S::ONE).max(least_scale())
 }
 
