@@ -40,6 +40,15 @@ impl Mean {
         i64::from(self.row_q8) - i64::from(from.row_q8)
     }
 
+    /// The first and the last row of its knot, if none is missing between them.
+    const fn start_row(&self) -> i32 {
+        (self.row_q8 - ((self.points as i32 - 1) << 7) + (1 << 7)) >> 8
+    }
+
+    const fn end_row(&self) -> i32 {
+        (self.row_q8 + ((self.points as i32 - 1) << 7) + (1 << 7)) >> 8
+    }
+
     fn columns_q16(&self, from: &Self) -> i64 {
         i64::from(self.column_q16) - i64::from(from.column_q16)
     }
@@ -161,6 +170,7 @@ pub(super) struct Cut {
     /// The last point before, and the first one after.
     end: EdgePoint,
     start: EdgePoint,
+    /// None where they are no line: two knots would always lie on a straight one.
     pub(super) points_before: u16,
     pub(super) points_after: u16,
 }
@@ -177,12 +187,13 @@ impl<const KNOTS: usize> Line<KNOTS> {
         let (before, after) = self.sides(&means)?;
         let kept = before.last().map_or(0, |mean| usize::from(mean.knot) + 1);
         let left = after.first().map_or(self.knots.len(), |mean| usize::from(mean.knot));
-        // Rows that miss in a knot are taken to lie beyond the end.
-        let span = 1 << self.span_log2;
-        let missed = |mean: &Mean| usize::saturating_sub(span, mean.points.into());
-        let end = before.last().map(|mean| self.point_along(mean, kept * span - 1 - missed(mean), &self.first));
-        let start = after.first().map(|mean| self.point_along(mean, left * span + missed(mean), &self.last));
-        let points_of = |means: &[Mean]| points(means).min(u16::MAX.into()) as u16;
+        let end = before.last().map(|mean| self.point_along(mean, mean.end_row(), &self.first));
+        let start = after.first().map(|mean| self.point_along(mean, mean.start_row(), &self.last));
+        let is_line = |means: &&[Mean]| means.len() >= LEAST_STRAIGHT_KNOTS;
+        let points_of = |means| Some(means).filter(is_line).map_or(0, points).min(u16::MAX.into()) as u16;
+        if ![before, after].iter().any(is_line) {
+            return None;
+        }
         Some(Cut {
             kept,
             left,
@@ -228,7 +239,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     }
 
     /// A point of the line, so many rows after the first one: on the way from the mean of a knot to a point.
-    fn point_along(&self, mean: &Mean, rows: usize, to: &EdgePoint) -> Option<EdgePoint> {
+    fn point_along(&self, mean: &Mean, rows: i32, to: &EdgePoint) -> Option<EdgePoint> {
         let rows = u16::try_from(rows).ok()?;
         let all_rows = self.last.row.abs_diff(self.first.row);
         let to_row_q8 = i64::from(to.row.abs_diff(self.first.row)) << 8;
@@ -331,17 +342,18 @@ mod tests {
     /// What follows beyond a gap is shorter than two thirds of it, or longer.
     #[test]
     fn a_line_ends_before_a_gap_beyond_which_hardly_anything_follows() {
-        let seen = |rows: u16| of_pixels(broken((1..160).chain(240..240 + rows), 0, 0.0));
-        for rows in [20, 40] {
-            let whole = seen(rows);
+        let seen = |from, rows: u16| of_pixels(broken((1..160).chain(from..from + rows), 0, 0.0));
+        // Two knots are no line.
+        for (from, rows, points) in [(240, 40, 0), (320, 80, 80)] {
+            let whole = seen(from, rows);
             let cut = whole.cut().expect("two parts");
             let (mut first, mut later) = (whole.clone(), whole);
             first.keep_before(&cut);
             later.keep_after(&cut);
-            assert_eq!((first.points, first.last.row, later.points), (160, 159, rows));
-            assert!((240..256).contains(&later.first.row), "{:?}", later.first);
+            assert_eq!((first.points, first.last.row), (160, 159));
+            assert_eq!((later.points, later.first.row), (points, from));
         }
-        assert!(seen(64).cut().is_none());
+        assert!(seen(240, 64).cut().is_none());
     }
 
     /// Edge points may be sparse: every second knot is empty.
