@@ -1,5 +1,5 @@
-//! A line that runs on past the end of its edge, to another one or into texture, is split where it turns, or where it
-//! goes on beyond a gap for too few rows.
+//! A line that runs on past the end of its edge, to another one or into texture, is split where it turns, or before a gap
+//! beyond which hardly anything follows.
 //!
 //! A line that curves as a whole, as lenses and turning cameras make it, is a parabola but for a small part of what it
 //! departs; one that turns at the end of its edge is not. docs/model.md, section 7.9.

@@ -141,8 +141,8 @@ pub(super) const KINK_SIGMAS: u64 = 6;
 pub(super) const LEAST_BROKEN_KINK_Q16: u64 = 1 << 15;
 pub(super) const UNBROKEN_SHARE: (u32, u32) = (7, 8);
 
-/// What goes on beyond a gap of more than so many times its own rows does so by chance
-/// (`line::split::tests::a_line_ends_at_a_gap_beyond_which_hardly_anything_follows`; with one
+/// What goes on beyond a gap of more than so many rows for each of its points does so by chance
+/// (`line::split::tests::a_line_ends_before_a_gap_beyond_which_hardly_anything_follows`; with one
 /// `false_distances::of_clutter`).
 pub(super) const MOST_GAP: (u32, u32) = (3, 2);
 
