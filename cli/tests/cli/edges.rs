@@ -272,14 +272,15 @@ fn no_edges_is_an_answer() {
 
 #[test]
 fn what_does_not_fit_is_counted() {
-    let rows = (0..12).flat_map(|row| (0..300).map(move |line| format!("{row},{}\n", 2 * line)));
-    let folder = Folder::of(SETUP, &format!("row,column\n{}", rows.collect::<String>()));
+    let rows = (0..12).flat_map(|row| (0..1070).map(move |line| format!("{row},{}\n", 2 * line)));
+    let setup = SETUP.replace("columns = 640", "columns = 2400");
+    let folder = Folder::of(&setup, &format!("row,column\n{}", rows.collect::<String>()));
     let frame = &folder.document()["frames"][0];
-    assert_eq!(frame["ranges"].as_array().map(Vec::len), Some(256));
+    assert_eq!(frame["ranges"].as_array().map(Vec::len), Some(1024));
     assert!(number(frame, "dropped_lines") > 0.0);
     let [edges, stray, dropped] = ["edges", "stray_edges", "dropped_edges"].map(|key| number(frame, key));
-    assert_eq!((edges, stray, dropped), (3600.0, 0.0, 12.0 * (300.0 - 256.0)));
-    assert!(folder.edges().stdout.contains("dropped because the tables were full: 528 edge points, "));
+    assert_eq!((edges, stray, dropped), (12.0 * 1070.0, 0.0, 12.0 * (1070.0 - 1024.0)));
+    assert!(folder.edges().stdout.contains("dropped because the tables were full: 552 edge points, "));
 }
 
 #[test]
