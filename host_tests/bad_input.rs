@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 use shutter_range::{
-    Camera, Distortion, EdgeError, EdgePoint, FitError, Intrinsics, Limits, ParameterError, Ranger, Readout, Sample,
-    Setup, Twist, Uncertainty, fit,
+    Camera, Distortion, EdgeError, EdgePoint, FitError, Intrinsics, Limits, Motion, ParameterError, Pose, Ranger,
+    Readout, Sample, Sequence, Setup, Twist, Uncertainty, fit,
 };
 
 use crate::scenes::seeded;
@@ -69,6 +69,27 @@ fn a_setup_refuses_nonsense_by_the_name_of_its_parameter() {
     assert_eq!(parameter(480, Uncertainty::NONE, limits), "min_points");
     let limits = Limits::DEFAULT.with_gate_q16(u32::MAX);
     assert_eq!(parameter(480, Uncertainty::NONE, limits), "gate_q16");
+}
+
+#[test]
+fn a_sequence_refuses_a_way_to_the_next_frame_that_cannot_be_by_its_name() {
+    let setup = Setup::pinhole(640, 480, 600.0_f64, 33_300_000).expect("sound");
+    let motion = Twist::level([1.0, 0.0, 0.0]).expect("sound");
+    let pose = motion.pose(0.1);
+    let advanced = |pose, elapsed_s, down| Sequence::<f64, 4>::new().advance(&setup, &pose, elapsed_s, down);
+    let down = [0.0, 1.0, 0.0];
+    assert_eq!(advanced(pose, 0.1, down), Ok(()));
+    // Frames may be taken in any order.
+    assert_eq!(advanced(pose, -0.1, down), Ok(()));
+    for nonsense in [f64::NAN, f64::INFINITY, -f64::INFINITY] {
+        let position = Pose { position_m: [0.0, nonsense, 0.0], ..pose };
+        let rotation = Pose { rotation: [[1.0, 0.0, 0.0], [0.0, nonsense, 0.0], [0.0, 0.0, 1.0]], ..pose };
+        let parameter = |pose, elapsed_s, down| advanced(pose, elapsed_s, down).expect_err("nonsense").parameter;
+        assert_eq!(parameter(pose, nonsense, down), "elapsed_s");
+        assert_eq!(parameter(position, 0.1, down), "position_m");
+        assert_eq!(parameter(rotation, 0.1, down), "rotation");
+        assert_eq!(parameter(pose, 0.1, [0.0, nonsense, 0.0]), "gravity");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ mod sensor_clock;
 mod sample_buffer;
 mod trajectory;
 
-pub(crate) use checked::checked_direction;
+pub(crate) use checked::{check_next_frame, checked_direction};
 pub use motion::{Motion, Pose};
 pub(crate) use rotation::RotationMatrix;
 pub use sensor_clock::{SensorClock, StampConvention};

@@ -11,7 +11,7 @@ use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
-use crate::motion::{Motion, Pose, checked_direction};
+use crate::motion::{Motion, Pose, check_next_frame, checked_direction};
 use crate::range::{Observer, Range, RangeStatus, RowPlane, SampleSet};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
@@ -152,7 +152,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// in between, and gravity in the camera's axes there, of any length. What is then beside or behind the camera is
     /// forgotten. Call it between any two frames, also after a torn one.
     ///
-    /// *Errors*: a gravity without direction; nothing has changed then.
+    /// *Errors*: a time or a pose that is not finite, or a gravity without direction; nothing has changed then.
     ///
     /// *Cost*: some 500 operations for each landmark.
     pub fn advance(
@@ -162,6 +162,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         elapsed_s: S,
         gravity: [S; 3],
     ) -> Result<(), ParameterError> {
+        check_next_frame(pose, elapsed_s)?;
         let sigma_time_s = setup.uncertainty().sigma_time_s;
         let transition = FrameTransition { pose: *pose, elapsed_s, sigma_time_s, gravity: checked_direction(gravity)? };
         // After a torn frame the time since the one before has two parts.
