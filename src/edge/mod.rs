@@ -24,6 +24,7 @@ mod fit;
 mod quick_fit;
 mod refine;
 mod usual_row;
+mod overshoot;
 
 pub(crate) use model::EdgeModel;
 pub(crate) use pixel_row::PixelRow;

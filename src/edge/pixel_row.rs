@@ -95,28 +95,6 @@ impl<P: Pixels> PixelRow<'_, P> {
         Some(((right_q8 - left_q8) >> 8) as i16)
     }
 
-    /// On the left of a boundary and on its right, how far the two pixels beyond the flank's `reach` lie above those
-    /// that come four to eight pixels beyond it: grey levels times four pixels. `None` at the border.
-    pub(crate) fn fall_beside(&self, boundary: i32, reach: i32) -> Option<[i16; 2]> {
-        const FAR: usize = 8;
-        let right = usize::try_from(boundary + reach).ok()?;
-        let left = usize::try_from(boundary - reach).ok()?.checked_sub(FAR)?;
-        if right + FAR > self.pixels.columns() {
-            return None;
-        }
-        let fall = |levels: [i16; FAR]| {
-            let [a, b, _, _, e, f, g, h] = levels;
-            2 * (a + b) - (e + f + g + h)
-        };
-        let levels = |from: usize| {
-            let mut buffer = [0; FAR];
-            grey(&self.pixels, from..from + FAR, &mut buffer).first_chunk().map(|levels| levels.map(i16::from))
-        };
-        let mut mirrored = levels(left)?;
-        mirrored.reverse();
-        Some([fall(mirrored), fall(levels(right)?)])
-    }
-
     /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.
     pub(super) fn kind(&self) -> usize {
         usize::from(self.pixels.mosaic_row() == Some(MosaicRow::Odd))

@@ -16,6 +16,8 @@ pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
     points: &[EdgePoint],
 ) {
     let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
+    // Where widths count most, what may have changed them is seen in every row.
+    let is_due_for_halo = is_due || pixels.response.is_linear();
     for index in 0..table.under_way().len() {
         let Some(place) = table.under_way().get(index).copied() else { return };
         let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
@@ -23,6 +25,9 @@ pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
             has_to_learn |= track.model.is_none();
             if is_due && !track.is_unseen() {
                 track.look_around(pixels);
+            }
+            if is_due_for_halo {
+                track.look_for_halo(pixels);
             }
         }
     }

@@ -191,9 +191,10 @@ impl<const KNOTS: usize> Line<KNOTS> {
         !(self.of_pixels && self.prominence.is_by_chance(times, self.points, rows))
     }
 
-    /// Whether a pipeline may have made the edge narrower: its levels overshoot, or nobody has seen its pixels.
-    pub(crate) fn may_be_sharpened(&self) -> bool {
-        !self.of_pixels || self.prominence.has_halo()
+    /// How far both levels overshoot beside the flank, as a share of the contrast times a pixel, in 1/65536; zero for a
+    /// line of points that were handed over.
+    pub(crate) fn overshoot_q16(&self) -> u32 {
+        self.prominence.overshoot_q16()
     }
 
     /// Mean contrast in grey levels, whatever its polarity; zero for a line of points that were handed over.

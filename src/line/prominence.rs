@@ -2,7 +2,7 @@
 
 use super::halo::Halo;
 use super::tuning::{
-    AROUND_PX, CHANCE_SIGMAS_Q1, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
+    AROUND_PX, CHANCE_SIGMAS_Q1, HALO_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
 };
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
@@ -29,15 +29,7 @@ impl Prominence {
     pub(super) fn is_by_chance(&self, times: u64, points: u16, rows: u16) -> bool {
         let (points, rows) = (u64::from(points), u64::from(rows));
         let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
-        // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma
-        // of a step.
-        let sigma_q8 = if self.changes < LEAST_CHANGES {
-            u64::from(self.first_step) * 237
-        } else {
-            (u64::from(self.changes_sum) * 226).checked_div(self.changes.into()).unwrap_or(0)
-        };
-        // Rounding alone makes one.
-        let sigma_q8 = sigma_q8.max(1 << 8);
+        let sigma_q8 = self.sigma_q8();
         // Rows without a point have no contrast.
         let seen_q8 = (points << 8).checked_div(rows).unwrap_or(0);
         let rows = (points * seen_q8 * seen_q8 * seen_q8) >> 24;
@@ -47,9 +39,33 @@ impl Prominence {
         4 * left_q8 * left_q8 * rows < times * times * most_square
     }
 
-    /// Whether both levels overshoot beside the edge.
-    pub(super) fn has_halo(&self) -> bool {
-        self.halo.is_part_of(self.along)
+    /// Deviation of the steps beside the line, in 1/256 of a grey level times four pixels.
+    fn sigma_q8(&self) -> u64 {
+        // Of normal values the quartile of their sizes is 1.08 sigma and the mean 0.8; a change has √2 times the sigma
+        // of a step.
+        let sigma_q8 = if self.changes < LEAST_CHANGES {
+            u64::from(self.first_step) * 237
+        } else {
+            (u64::from(self.changes_sum) * 226).checked_div(self.changes.into()).unwrap_or(0)
+        };
+        // Rounding alone makes one.
+        sigma_q8.max(1 << 8)
+    }
+
+    /// How far both levels overshoot beside the edge, as a share of its contrast times a pixel, in 1/65536; zero where
+    /// noise or texture overshoot as far.
+    pub(super) fn overshoot_q16(&self) -> u32 {
+        let contrast_q2 = u32::try_from(self.along).ok().and_then(|along| along.checked_div(self.rows.into()));
+        // Two pixels on either side have a third of the deviation of eight in their mean.
+        let sigma_q18 = (self.sigma_q8() << 9).checked_div(u64::from(self.halo.rows()).isqrt() * 3 / 2).unwrap_or(0);
+        let mean_q18 = self.halo.mean_q18();
+        let is_chance = u64::from(mean_q18) < HALO_SIGMAS * sigma_q18;
+        if is_chance { 0 } else { mean_q18.checked_div(contrast_q2.unwrap_or(0)).unwrap_or(0) }
+    }
+
+    /// Takes what a row shows beside the flank.
+    pub(super) fn add_overshoot(&mut self, beyond: [i16; 2]) {
+        self.halo.add_row(beyond);
     }
 
     /// Mean contrast in grey levels; zero where none was looked at.
@@ -118,7 +134,6 @@ impl Around {
         let is_falling = point.polarity == Polarity::Falling;
         prominence.along = prominence.along.saturating_add(i32::from(if is_falling { -step } else { step }));
         prominence.rows = prominence.rows.saturating_add(1);
-        prominence.halo.look(row, point);
     }
 }
 

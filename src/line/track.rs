@@ -334,6 +334,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.around.look(&mut self.line.prominence, row, &self.line.last);
     }
 
+    /// Looks whether the levels overshoot beside its last point, if it has a model.
+    pub(super) fn look_for_halo<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
+        if let Some(beyond) = self.model.as_ref().and_then(|model| model.overshoot(row, &self.line.last)) {
+            self.line.prominence.add_overshoot(beyond);
+        }
+    }
+
     /// Gives it a model of its edge, if there is one, and such edges beside it.
     pub(super) fn set_model(&mut self, model: Option<EdgeModel>, untracked: Untracked) {
         (self.model, self.line.untracked) = (model, untracked);

@@ -8,9 +8,9 @@ pub(super) const CHANCE_SIGMAS_Q1: u64 = 9;
 /// limit above is doubled, for fewer it is more (`false_distances::of_texture`, `false_distances::of_clutter`).
 pub(super) const TAIL_ROWS: u64 = 40;
 
-/// An edge whose levels both overshoot by one of so many parts of its contrast is sharpened
-/// (`real_cameras::sharpened_5x5`; `false_distances::of_leaning_bars` with more parts).
-pub(super) const LEAST_HALO_PARTS: i32 = 64;
+/// A halo exceeds so many sigmas of what noise makes of it (`false_distances::of_clutter` with less,
+/// `real_cameras::sharpened_frames_said_to_be_linear` with more).
+pub(super) const HALO_SIGMAS: u64 = 2;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).

@@ -26,6 +26,8 @@ pub(crate) struct BlurMeasurement<S: Scalar> {
     sigma_ln: S,
     /// The same of an edge that is narrower than expected.
     sigma_narrow_ln: S,
+    /// One sigma of what sharpening has taken from the variance.
+    sigma_sharpened_px2: S,
     lens_px: S,
     sigma_lens_px: S,
 }
@@ -42,10 +44,15 @@ const PATH_STEPS: usize = 2;
 /// The lens is softer in the corners, and not everything is in focus.
 const LN_SOFTER: (i32, i32) = (405_465, 1_000_000);
 
-/// How far the width of an edge without a halo may be below the expected one, as a sigma of its logarithm, where
-/// none is stated: only sharpening makes edges much narrower, and it leaves a halo (`false_distances::of_leaning_bars` with
-/// more, `real_cameras` with half of it).
+/// How far the width of an edge of pixels may be below the expected one but for sharpening, as a sigma of its
+/// logarithm, where none is stated: tone curves, denoising and mosaics change it by less
+/// (`false_distances::of_leaning_bars` with more, `real_cameras` with half of it).
 const UNSHARPENED: (i32, i32) = (1, 8);
+
+/// Sharpening that lets the levels overshoot by one contrast times a pixel takes at most so many square pixels from the
+/// variance: 7 to 18 for unsharp masks of 3 to 5 pixels, a half to one and a half strong, on edges of 0.8 to 2.5 px
+/// (`real_cameras::sharpened_frames_said_to_be_linear` with a third).
+const SHARPENED_PX: i32 = 24;
 
 /// Beyond so many sigmas the blur contradicts the slope.
 const MOST_SIGMAS: i32 = 4;
@@ -77,13 +84,16 @@ impl<S: Scalar> BlurMeasurement<S> {
         let sigma_blur = setup.sigma_blur();
         let unsharpened = S::ratio(UNSHARPENED.0, UNSHARPENED.1);
         // What is stated holds as it is.
-        let is_as_wide = blur.sigma_blur.is_some() || line.may_be_sharpened();
+        let is_stated = blur.sigma_blur.is_some();
+        let is_as_wide = is_stated || !line.is_of_pixels();
         let sigma_narrow = if is_as_wide { sigma_blur } else { sigma_blur.min(unsharpened) };
+        let overshoot = if is_stated { 0 } else { line.overshoot_q16() };
         Some(Self {
             sweeps: [sweep(place)?, sweep(S::ONE - place)?],
             measured_px2: line.mean_square_width_px2(width_px, width_sigma_px),
             sigma_ln: twice_sigma(sigma_blur),
             sigma_narrow_ln: twice_sigma(sigma_narrow),
+            sigma_sharpened_px2: S::from_ratio(i64::from(overshoot) * i64::from(SHARPENED_PX), 1 << 16),
             lens_px: blur.lens_blur_px,
             sigma_lens_px: blur.sigma_lens_blur_px,
         })
@@ -104,14 +114,15 @@ impl<S: Scalar> BlurMeasurement<S> {
         (self.lens_px + self.lens_px) / self.expected_px2(path)
     }
 
-    /// One sigma of the logarithm, the lens's own blur included.
+    /// One sigma of the logarithm, with those of the lens's own blur and of sharpening.
     fn joint_sigma_ln(&self, path: &Path<S>) -> S {
-        self.with_lens(self.sigma_ln, path)
+        self.joint(self.sigma_ln, path)
     }
 
-    fn with_lens(&self, sigma_ln: S, path: &Path<S>) -> S {
+    fn joint(&self, sigma_ln: S, path: &Path<S>) -> S {
         let of_lens = self.per_lens_px(path) * self.sigma_lens_px;
-        (sigma_ln * sigma_ln).plus_product(of_lens, of_lens).sqrt()
+        let of_sharpening = self.sigma_sharpened_px2 / self.expected_px2(path);
+        (sigma_ln * sigma_ln).plus_product(of_lens, of_lens).plus_product(of_sharpening, of_sharpening).sqrt()
     }
 
     /// Path along the row during the exposure.
@@ -154,7 +165,7 @@ impl<S: Scalar> BlurMeasurement<S> {
         let sigma_px = path.per_inverse_depth * sigma_per_m;
         let longer = path.to(path.px.abs() + sigma_px + sigma_px);
         let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
-        let most = |sigma_ln, path: &Path<S>| self.with_lens(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
+        let most = |sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
         self.excess_ln(&shorter) >= -most(self.sigma_narrow_ln, &shorter)
             && self.excess_ln(&longer) <= S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(self.sigma_ln, &longer)
     }
@@ -164,7 +175,7 @@ impl<S: Scalar> BlurMeasurement<S> {
         let path_px = path.px.abs();
         let sigma_of_path_px2 = path_px * S::ratio(1, 6) * (path.per_inverse_depth * sigma_per_m).min(path_px);
         let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path);
-        let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, sigma_of_path_px2);
+        let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, hypot(self.sigma_sharpened_px2, sigma_of_path_px2));
         (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
     }
 
