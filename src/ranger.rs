@@ -5,7 +5,7 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks_beside};
+use crate::line::{Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks, looks_beside};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -172,7 +172,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let (mut candidates, mut flanks) = (Candidates::new(), Flanks::new());
-        tracker.locate(setup.limits(), at, pixel_row, &mut candidates, &mut flanks);
+        let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates, &mut flanks);
         let mut asked: Vec<_, LINES> = Vec::new();
         if tracker.is_full() {
             candidates.add_columns(&mut asked);
@@ -189,11 +189,13 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         let noise_q8 = self.scanner.noise_q8();
         let refine = |point: &EdgePoint, looks: bool| refined(points, point, looks.then_some((pixel_row, noise_q8)));
         let columns = setup.camera().intrinsics().columns;
-        let jump = tracker.take(setup.limits(), columns, row, &candidates, points, &refine);
+        let is_as_before = is_steady && points.is_empty();
+        let jump =
+            if is_as_before { None } else { tracker.take(setup.limits(), columns, row, &candidates, points, &refine) };
         if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
-        if jump.is_none() {
+        if jump.is_none() && (!is_as_before || looks(row, setup.response())) {
             tracker.look_at(row, pixel_row, noise_q8, points);
         }
         points.clear();

@@ -5,6 +5,18 @@ use super::track::{State, Track};
 use super::tuning::{LOOK_ROWS, models_a_row};
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
+use crate::setup::Response;
+
+/// Whether lines that have a model look at a row: where widths count most, what may have changed them is seen in every
+/// row.
+pub(crate) fn looks(row: u16, response: &Response) -> bool {
+    looks_around(row) || response.is_linear()
+}
+
+/// Whether they look at what is around them.
+const fn looks_around(row: u16) -> bool {
+    row.is_multiple_of(LOOK_ROWS)
+}
 
 /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one a
 /// model of their edge.
@@ -15,9 +27,8 @@ pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
     noise_q8: u32,
     points: &[EdgePoint],
 ) {
-    let (is_due, mut has_to_learn) = (row.is_multiple_of(LOOK_ROWS), false);
-    // Where widths count most, what may have changed them is seen in every row.
-    let is_due_for_halo = is_due || pixels.response.is_linear();
+    let (is_due, mut has_to_learn) = (looks_around(row), false);
+    let is_due_for_halo = looks(row, pixels.response);
     for index in 0..table.under_way().len() {
         let Some(place) = table.under_way().get(index).copied() else { return };
         let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;

@@ -5,7 +5,7 @@ use heapless::Vec;
 
 use super::explained::{Flanks, flank};
 use super::table::Table;
-use super::track::{RowTime, State};
+use super::track::{RowTime, State, Track};
 use crate::edge::{EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
@@ -13,8 +13,24 @@ use crate::setup::Limits;
 /// Places of lines that were looked for in vain.
 pub(super) type Missed<const LINES: usize> = Vec<u16, LINES>;
 
+/// What has been located of the lines under way.
+pub(super) struct Located {
+    pub(super) lines: usize,
+    /// Whether one of them is young.
+    pub(super) has_young: bool,
+}
+
+impl Located {
+    fn add<const LINES: usize, const KNOTS: usize>(&mut self, track: &Track<KNOTS>, flanks: &mut Flanks<LINES>) {
+        // There is room: one for each line.
+        let _ = flanks.push(flank(&track.line.last));
+        self.lines += 1;
+        self.has_young |= track.is_young();
+    }
+}
+
 /// Locates the lines that the row before has shown and that need not be weighed against others, from left to right, adds
-/// their flanks, and notes the missed ones. Number of those located; what is left has to be looked at closely.
+/// their flanks, and notes the missed ones. What is left has to be looked at closely.
 pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     table: &mut Table<LINES, KNOTS>,
     limits: &Limits,
@@ -22,12 +38,12 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     row: &PixelRow<'_, P>,
     flanks: &mut Flanks<LINES>,
     missed: &mut Missed<LINES>,
-) -> usize {
+) -> Located {
     let column_q16 = |table: &Table<LINES, KNOTS>, index: usize| {
         let place = table.under_way().get(index).copied()?;
         Some((place, table.track(place)?.next_column_q16()))
     };
-    let (mut located, mut left_q16) = (0, Neighbours::NONE.left_q16);
+    let (mut located, mut left_q16) = (Located { lines: 0, has_young: false }, Neighbours::NONE.left_q16);
     let mut next = column_q16(table, 0);
     for index in 0..table.under_way().len() {
         let Some((place, own_q16)) = next else { break };
@@ -37,15 +53,14 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
         left_q16 = left_q16.max(own_q16);
         let Some(track) = table.track_mut(place) else { continue };
         if track.locate_steady(at, row, &around, limits) {
-            // There is room: one for each line.
-            let _ = flanks.push(flank(&track.line.last));
-            located += 1;
+            located.add(track, flanks);
             continue;
         }
         match locate_between(table, index, &around, limits, at, row) {
             Some(true) => {
-                let _ = table.track(place).map(|track| flanks.push(flank(&track.line.last)));
-                located += 1;
+                if let Some(track) = table.track(place) {
+                    located.add(track, flanks);
+                }
             }
             Some(false) => {
                 let _ = missed.push(place);

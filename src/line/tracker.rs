@@ -10,7 +10,7 @@ use super::jump::Jump;
 use super::learning::look_at;
 use super::line::Line;
 use super::refinement::Refinement;
-use super::steady::{Missed, locate_steady, take_steady};
+use super::steady::{Located, Missed, locate_steady, take_steady};
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
@@ -107,7 +107,8 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
     }
 
     /// Locates the confirmed lines in a row of pixels where they are predicted, and adds what the scan may leave out,
-    /// and the lines that the row has not shown yet. To be called before the row is scanned.
+    /// and the lines that the row has not shown yet. To be called before the row is scanned. Whether the row shows each
+    /// line as the rows before did, and none is young: without a point nothing begins, ends or goes on then.
     pub(crate) fn locate<P: Pixels>(
         &mut self,
         limits: &Limits,
@@ -115,12 +116,12 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
         pixels: PixelRow<'_, P>,
         candidates: &mut Candidates<LINES>,
         flanks: &mut Flanks<LINES>,
-    ) {
+    ) -> bool {
         let mut missed = Missed::new();
-        let steady = locate_steady(&mut self.table, limits, &at, &pixels, flanks, &mut missed);
-        self.count_points(steady as u32);
-        if steady == self.table.under_way().len() {
-            return;
+        let Located { lines, has_young } = locate_steady(&mut self.table, limits, &at, &pixels, flanks, &mut missed);
+        self.count_points(lines as u32);
+        if lines == self.table.under_way().len() {
+            return !has_young;
         }
         self.expect(limits, at.row, candidates);
         let mut located = 0;
@@ -146,6 +147,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let others_q16 = candidates.iter().map(|candidate| candidate.prediction.column_q16);
             flanks.retain(|flank| is_alone(flank, others_q16.clone()));
         }
+        false
     }
 
     /// Removes the scanned points of a row that located lines explain. To be called before [`Tracker::row`] takes the
