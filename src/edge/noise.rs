@@ -166,6 +166,7 @@ impl Down {
         self.turn = if turn + 1 < rows { turn + 1 } else { 0 };
     }
 
+    #[inline(never)] // all of it then fits into the registers
     fn compare_pixels(&mut self, pixels: &impl Pixels, is_last: bool) {
         let mut thirds = [0; DOWN_COLUMNS];
         for ((column, third), before) in columns(pixels.columns()).zip(&mut thirds).zip(&mut self.pixels) {
@@ -182,6 +183,7 @@ impl Down {
 
     /// An edge that moves changes a sum by as much as one that is so far to the side: what one motion of the whole row
     /// explains is no texture.
+    #[inline(never)] // likewise
     fn compare_sums(&mut self, pixels: &impl Pixels, is_last: bool) {
         let mut changes = [(0, 0); DOWN_COLUMNS];
         for ((column, change), before) in columns(pixels.columns()).zip(&mut changes).zip(&mut self.sums) {
