@@ -8,7 +8,7 @@ use super::point::{EdgePoint, Polarity};
 use super::template::{Template, class_of};
 use super::tuning::{
     FEW_TEXTURED_ROWS, LEARN_ROWS_LOG2, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, MANY_TEXTURED_ROWS,
-    MEMORY_ROWS_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, ONE_STEP_SIGMAS, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    MEMORY_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, ONE_STEP_SIGMAS, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -213,7 +213,7 @@ impl EdgeModel {
     /// Whether the means are taken from the next row: from each at first, then from some.
     pub(super) const fn learns_next(&self) -> bool {
         let rows = self.rows.get();
-        rows % (1 << LEARN_ROWS_LOG2) == (1 << LEARN_ROWS_LOG2) - 1 || rows < 1 << MEMORY_ROWS_LOG2
+        rows % (1 << LEARN_ROWS_LOG2) == (1 << LEARN_ROWS_LOG2) - 1 || rows < 2 << MEMORY_LOG2
     }
 
     /// Counts a row that shows the edge.
@@ -225,9 +225,9 @@ impl EdgeModel {
     #[inline(never)]
     pub(super) fn learn(&mut self, kind: usize, fit: &Fit) {
         let rows = self.rows.get().saturating_add(1);
-        let is_settled = rows >= 1 << MEMORY_ROWS_LOG2;
+        let is_settled = rows >= 2 << MEMORY_LOG2;
         if is_settled {
-            self.learn_part(kind, fit, MEMORY_ROWS_LOG2 - LEARN_ROWS_LOG2);
+            self.learn_part(kind, fit, MEMORY_LOG2);
         } else {
             self.learn_part(kind, fit, u32::from(rows).max(1).ilog2());
         }

@@ -109,10 +109,11 @@ pub(super) const SURE_SIGMA_Q16: u32 = 1 << 13;
 pub(super) const FEW_TEXTURED_ROWS: u16 = 4;
 pub(super) const MANY_TEXTURED_ROWS: u16 = 12;
 
-/// Rows that the running means of levels, blur, noise and their scatter remember, and between those from which they are
-/// taken, once they are as many: 2 to these powers. The more rows lie between, the noisier are the means
+/// Rows of a line from which the running means of levels, blur, noise and their scatter are taken, and which they
+/// remember; and rows from one of these to the next, once there have been twice as many: 2 to these powers. The fewer
+/// they are, the noisier are the means
 /// (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`, `cargo xtask budget --use "two bars"`).
-pub(super) const MEMORY_ROWS_LOG2: u32 = 5;
+pub(super) const MEMORY_LOG2: u32 = 3;
 pub(super) const LEARN_ROWS_LOG2: u32 = 2;
 
 /// The noise that a row on its own shows is off by up to a factor of two: the first rows of the edge move it by a part
