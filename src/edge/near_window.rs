@@ -39,7 +39,7 @@ impl<'p> NearWindow<'p> {
         // At least the outermost pixels tell the levels.
         let (left_to, right_from) = (first.max(from + 1), end.min(to - 1));
         let bytes = |from: i32, to: i32| {
-            row.light_bytes(Stretch { from: usize::try_from(from).ok()?, to: usize::try_from(to).ok()? })
+            row.quick_bytes(Stretch { from: usize::try_from(from).ok()?, to: usize::try_from(to).ok()? })
         };
         let plateaus = [bytes(from, left_to)?, bytes(right_from, to)?];
         let of_flank = [left_to > first, right_from < end];

@@ -37,13 +37,19 @@ impl<P: Pixels> PixelRow<'_, P> {
 
     /// The light of a stretch, where that is its grey bytes.
     #[inline(always)]
-    pub(super) fn light_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
+    fn light_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
         self.pixels.grey().filter(|_| self.response.is_identity())?.get(stretch.columns())
     }
 
-    /// Whether the light is its grey bytes.
-    pub(super) fn is_of_light_bytes(&self) -> bool {
-        self.pixels.grey().is_some() && self.response.is_identity()
+    /// The same where edges are located in ways that are made for bytes.
+    #[inline(always)]
+    pub(super) fn quick_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
+        if P::HAS_QUICK_WAYS { self.light_bytes(stretch) } else { None }
+    }
+
+    /// Whether there are such bytes.
+    pub(super) fn has_quick_bytes(&self) -> bool {
+        P::HAS_QUICK_WAYS && self.pixels.grey().is_some() && self.response.is_identity()
     }
 
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.

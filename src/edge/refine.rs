@@ -124,7 +124,7 @@ impl EdgeModel {
         let column_q8 = expected_q16 >> 8;
         match WholeWindow::new(&row, column_q8, self.template(), bounds_q8).filter(|_| !self.is_textured()) {
             Some(window) => self.fit_whole(row.kind(), &window),
-            None if row.is_of_light_bytes() => self.quick_fit(row, column_q8, bounds_q8, is_measured),
+            None if row.has_quick_bytes() => self.quick_fit(row, column_q8, bounds_q8, is_measured),
             None => self.fit_in_window(row, column_q8, bounds_q8),
         }
     }

@@ -44,7 +44,7 @@ impl<'p> WholeWindow<'p> {
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
         let plateau = template.plateau() as usize;
         let from = usize::try_from(first - plateau as i32).ok()?;
-        let pixels = row.light_bytes(Stretch { from, to: from + template.window() })?;
+        let pixels = row.quick_bytes(Stretch { from, to: from + template.window() })?;
         Some(Self { pixels, plateau, phase, centre_q8 })
     }
 

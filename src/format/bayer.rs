@@ -27,6 +27,8 @@ impl<P: Pixels> Bayer<P> {
 }
 
 impl<P: Pixels> Pixels for Bayer<P> {
+    const HAS_QUICK_WAYS: bool = P::HAS_QUICK_WAYS;
+
     fn columns(&self) -> usize {
         self.samples.columns()
     }

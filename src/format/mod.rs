@@ -12,6 +12,7 @@
 //! | RAW10, packed as MIPI CSI-2 has it | [`Raw10`] | as grey, with less rounding |
 //! | 10 to 16 bits in 16 | [`Wide`] | as grey, with less rounding |
 //! | a Bayer mosaic in any of these | [`Bayer`] around it | within 1.3 times grey |
+//! | any of these, for a program with little flash | [`Compact`] around it | as without it |
 //!
 //! A buffer of words (`[u32]`, as DMA controllers often fill it) is one of bytes to `bytemuck::cast_slice`, without a
 //! copy. Grey levels of YUV and RGB come with a tone curve, mostly that of sRGB; raw ones are linear: say so with
@@ -47,9 +48,11 @@ mod rgb565;
 mod raw10;
 mod wide;
 mod bayer;
+mod compact;
 mod pixel_format;
 
 pub use bayer::Bayer;
+pub use compact::Compact;
 pub use pixel_format::{FormatRow, PixelFormat};
 pub use pixels::{MosaicRow, Pixels};
 pub use raw10::Raw10;
