@@ -9,6 +9,24 @@ use crate::motion::Motion;
 use crate::scalar::{Scalar, hypot, ln, over};
 use crate::setup::Setup;
 
+/// What the blur of an edge tells, for a fit and for what is told of it.
+///
+/// A program that asks no line for its blur never makes a [`BlurMeasurement`] one of these, so that the linker leaves
+/// out what only that needs.
+pub(super) trait Blur<S: Scalar> {
+    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they
+    /// lie, given what the positions say of the inverse depth, as changes of it, each with what it costs; the better
+    /// one first.
+    fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]>;
+
+    /// Linearised about `unknowns`, and what a pixel of the lens's own blur takes from its y.
+    fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)>;
+
+    /// Whether it is that of the slope which a fit has found, and what it tells of the lens. `entered`: the fit has made
+    /// use of it.
+    fn compare(&self, found: &Unknowns<S>, sigma_per_m: S, entered: bool) -> (bool, Option<LensBlurMeasurement<S>>);
+}
+
 /// The blur that motion has added to an edge, as a measurement of its path during the exposure.
 ///
 /// The variance V of a blurred edge is lens² + 1/12 + B²/12. The path B comes from motion, whatever the lean. What is
@@ -126,17 +144,44 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 
     /// Path along the row during the exposure.
-    pub(super) fn path(&self, unknowns: &Unknowns<S>) -> Option<Path<S>> {
+    fn path(&self, unknowns: &Unknowns<S>) -> Option<Path<S>> {
         let [first, second] = self.sweeps.each_ref().map(|sweep| unknowns.residual(sweep));
         let per_inverse_depth = [first.px_per_inverse_depth()?, second.px_per_inverse_depth()?];
         Some(Path::along([first.px()?, second.px()?], per_inverse_depth))
     }
 
-    /// The two paths, one in either direction, that explain the blur: near each there may be a solution. Where they
-    /// lie, given what the positions say of the inverse depth, as changes of it, each with what it costs; the better
-    /// one first.
-    #[inline(never)]
-    pub(super) fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
+    /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the
+    /// slope: by two sigma. Sharper than that means that the slope is a lean; much more blurred, beside a known lens,
+    /// that a lean hides a part of the slope.
+    fn is_consistent(&self, path: &Path<S>, sigma_per_m: S) -> bool {
+        let sigma_px = path.per_inverse_depth * sigma_per_m;
+        let longer = path.to(path.px.abs() + sigma_px + sigma_px);
+        let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
+        let most = |sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
+        self.excess_ln(&shorter) >= -most(self.sigma_narrow_ln, &shorter)
+            && self.excess_ln(&longer) <= S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(self.sigma_ln, &longer)
+    }
+
+    /// What is left of the measured variance for the lens, given the path and how well it is known.
+    fn of_lens(&self, path: &Path<S>, sigma_per_m: S) -> Option<LensBlurMeasurement<S>> {
+        let path_px = path.px.abs();
+        let sigma_of_path_px2 = path_px * S::ratio(1, 6) * (path.per_inverse_depth * sigma_per_m).min(path_px);
+        let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path);
+        let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, hypot(self.sigma_sharpened_px2, sigma_of_path_px2));
+        (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
+    }
+
+    /// Change of the inverse depth at which positions and blur agree best, linearised about a first guess of it.
+    fn compromise(&self, path: &Path<S>, information: S, change_per_m: S) -> S {
+        let path = path.to(path.px + change_per_m * path.per_inverse_depth);
+        let per_sigma = over(self.joint_sigma_ln(&path));
+        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path) * per_sigma;
+        q * (q * change_per_m + self.excess_ln(&path) * per_sigma) * over(q * q + information)
+    }
+}
+
+impl<S: Scalar> Blur<S> for BlurMeasurement<S> {
+    fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
         let path = self.path(unknowns)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();
         let blurred = path.to(blur_px);
@@ -158,49 +203,28 @@ impl<S: Scalar> BlurMeasurement<S> {
         choices.iter().all(|choice| choice.change_per_m.is_finite() && choice.cost.is_finite()).then_some(choices)
     }
 
-    /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the
-    /// slope: by two sigma. Sharper than that means that the slope is a lean; much more blurred, beside a known lens,
-    /// that a lean hides a part of the slope.
-    pub(super) fn is_consistent(&self, path: &Path<S>, sigma_per_m: S) -> bool {
-        let sigma_px = path.per_inverse_depth * sigma_per_m;
-        let longer = path.to(path.px.abs() + sigma_px + sigma_px);
-        let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
-        let most = |sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
-        self.excess_ln(&shorter) >= -most(self.sigma_narrow_ln, &shorter)
-            && self.excess_ln(&longer) <= S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(self.sigma_ln, &longer)
-    }
-
-    /// What is left of the measured variance for the lens, given the path and how well it is known.
-    pub(super) fn of_lens(&self, path: &Path<S>, sigma_per_m: S) -> Option<LensBlurMeasurement<S>> {
-        let path_px = path.px.abs();
-        let sigma_of_path_px2 = path_px * S::ratio(1, 6) * (path.per_inverse_depth * sigma_per_m).min(path_px);
-        let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path);
-        let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, hypot(self.sigma_sharpened_px2, sigma_of_path_px2));
-        (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
-    }
-
-    /// Change of the inverse depth at which positions and blur agree best, linearised about a first guess of it.
-    fn compromise(&self, path: &Path<S>, information: S, change_per_m: S) -> S {
-        let path = path.to(path.px + change_per_m * path.per_inverse_depth);
-        let per_sigma = over(self.joint_sigma_ln(&path));
-        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path) * per_sigma;
-        q * (q * change_per_m + self.excess_ln(&path) * per_sigma) * over(q * q + information)
-    }
-
-    /// Linearised about `unknowns`, and what a pixel of the lens's own blur takes from its y.
-    pub(super) fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)> {
+    fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)> {
         let path = self.path(unknowns)?;
         let per_sigma = over(self.joint_sigma_ln(&path));
         let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path);
         let equation = Equation { q, y: self.excess_ln(&path), ..Equation::NOTHING };
         Some((equation.scaled(per_sigma), self.per_lens_px(&path) * per_sigma))
     }
+
+    fn compare(&self, found: &Unknowns<S>, sigma_per_m: S, entered: bool) -> (bool, Option<LensBlurMeasurement<S>>) {
+        // Where the edge leaves the row within the exposure, there is no upright edge.
+        let Some(path) = self.path(found) else { return (false, None) };
+        // An edge whose depth comes from its blur tells nothing of the lens, unless it hardly moves.
+        let tells = !entered || path.mean_square_px2() < S::ONE;
+        let lens = if tells { self.of_lens(&path, sigma_per_m) } else { None };
+        (self.is_consistent(&path, sigma_per_m), lens)
+    }
 }
 
 /// The mean square of a path along the row, over the line, as a function of the inverse depth: translation moves a ray
 /// in proportion to the inverse depth, rotation does so at any depth.
 #[derive(Clone, Copy)]
-pub(super) struct Path<S> {
+struct Path<S> {
     /// What changes with the inverse depth, in pixels: zero where the path is shortest.
     px: S,
     /// Not negative.
@@ -224,7 +248,7 @@ impl<S: Scalar> Path<S> {
         Self { px, ..self }
     }
 
-    pub(super) fn mean_square_px2(&self) -> S {
+    fn mean_square_px2(&self) -> S {
         self.px * self.px + self.rest_px2
     }
 }

@@ -1,6 +1,6 @@
 //! [`Prior`]: what is known of an edge before its line is seen.
 
-use super::blur::BlurMeasurement;
+use super::blur::Blur;
 use super::equation::Equation;
 use super::line_state::{LineState, Statement};
 use super::line3::Line3;
@@ -15,7 +15,7 @@ use crate::setup::Setup;
 pub(crate) struct Prior<'a, S: Scalar> {
     /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
     pub(super) state: Option<(&'a LineState<S>, &'a [Statement<S>; 3])>,
-    pub(super) blur: Option<&'a BlurMeasurement<S>>,
+    pub(super) blur: Option<&'a dyn Blur<S>>,
     /// Blur of the edge, one sigma in pixels.
     pub(super) width_px: S,
     /// Samples that are known to be those of something else.

@@ -1,6 +1,6 @@
 //! [`Range`]: what is told of one line.
 
-use super::blur::{BlurMeasurement, LensBlurMeasurement, Path};
+use super::blur::{Blur, BlurMeasurement, LensBlurMeasurement};
 use super::estimate::{Estimate, Interval, Sigmas};
 use super::fit::{Fitted, fit_with};
 use super::goodness_of_fit::GoodnessOfFit;
@@ -57,7 +57,16 @@ impl<S: Scalar> Range<S> {
     /// *Cost*: a [`fit`](crate::fit) over the line's knots and a few rays.
     #[must_use]
     pub fn from_line<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
-        Self::fitted(setup, motion, line, Prior::new(None, SampleSet::default()), None)
+        Self::with_its_blur(setup, motion, line, Prior::new(None, SampleSet::default()), None)
+    }
+
+    /// The range of a line from the places of its points alone, whatever is known of the exposure: that of
+    /// [`from_line`](Self::from_line) where nothing is.
+    ///
+    /// A program that ranges no line otherwise does not hold what measures blur: 4 kB on a Cortex-M0.
+    #[must_use]
+    pub fn without_blur<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
+        Self::fitted(setup, motion, line, Prior::new(None, SampleSet::default()), None, None)
     }
 
     /// The range of a line of which earlier frames may have told something. `known` becomes what is known of it now;
@@ -72,7 +81,7 @@ impl<S: Scalar> Range<S> {
     ) -> Self {
         let statements = earlier.map(LineState::statements);
         let prior = Prior::new(earlier.zip(statements.as_ref()), left_out);
-        Self::fitted(setup, motion, line, prior, Some(known))
+        Self::with_its_blur(setup, motion, line, prior, Some(known))
     }
 
     /// The range that is to be expected of an edge, from a line that is drawn where it will be seen.
@@ -82,7 +91,19 @@ impl<S: Scalar> Range<S> {
         line: &Line<KNOTS>,
     ) -> Self {
         let prior = Prior { is_drawn: true, ..Prior::new(None, SampleSet::default()) };
-        Self::fitted(setup, motion, line, prior, None)
+        Self::with_its_blur(setup, motion, line, prior, None)
+    }
+
+    /// The range of a line whose blur is measured, if that tells anything.
+    fn with_its_blur<M: Motion<S>, const KNOTS: usize>(
+        setup: &Setup<S>,
+        motion: &M,
+        line: &Line<KNOTS>,
+        prior: Prior<'_, S>,
+        known: Option<&mut Option<LineState<S>>>,
+    ) -> Self {
+        let blur = BlurMeasurement::of_line(setup, motion, line);
+        Self::fitted(setup, motion, line, prior, blur.as_ref().map(|blur| blur as &dyn Blur<S>), known)
     }
 
     // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
@@ -92,15 +113,15 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
         prior: Prior<'_, S>,
+        blur: Option<&dyn Blur<S>>,
         mut known: Option<&mut Option<LineState<S>>>,
     ) -> Self {
-        let blur = BlurMeasurement::of_line(setup, motion, line);
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
         let is_in_question = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && prior.state.is_none();
         let blur_enters = is_in_question && setup.widths_are_known();
         let width_px = line.mean_width_px().unwrap_or(S::ONE);
-        let prior = Prior { blur: blur.as_ref().filter(|_| blur_enters), width_px, ..prior };
+        let prior = Prior { blur: blur.filter(|_| blur_enters), width_px, ..prior };
         let kept = known.as_deref_mut().map(|known| known.insert(LineState::NOTHING));
         let mut estimate = Estimate::nothing();
         let fitted = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, &mut estimate, kept);
@@ -108,7 +129,7 @@ impl<S: Scalar> Range<S> {
             *known = None;
         }
         let fitted = fitted.as_ref().map(|fitted| (fitted, &estimate)).map_err(|error| *error);
-        Self::told(setup, motion, line, &prior, blur.as_ref(), fitted)
+        Self::told(setup, motion, line, &prior, blur, fitted)
     }
 
     /// What a fit with a prior has told, beside the blur, which need not have entered it.
@@ -119,7 +140,7 @@ impl<S: Scalar> Range<S> {
         motion: &M,
         line: &Line<KNOTS>,
         prior: &Prior<'_, S>,
-        blur: Option<&BlurMeasurement<S>>,
+        blur: Option<&dyn Blur<S>>,
         fitted: Result<(&Fitted<S, KNOTS>, &Estimate<S>), FitError>,
     ) -> Self {
         let mut range = Self::unfitted(line);
@@ -211,14 +232,9 @@ impl<S: Scalar> Range<S> {
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.
-    fn compare_with_blur(&mut self, blur: &BlurMeasurement<S>, found: &Unknowns<S>, blur_entered: bool) {
-        let path = blur.path(found);
-        let sigma_per_m = self.estimate.sigma_inverse_depth_per_m;
-        // An edge whose depth comes from its blur tells nothing of the lens, unless it hardly moves.
-        let tells = |path: &Path<S>| !blur_entered || path.mean_square_px2() < S::ONE;
-        self.lens_blur = path.filter(tells).and_then(|path| blur.of_lens(&path, sigma_per_m));
-        // Where the edge leaves the row within the exposure, there is no upright edge.
-        let is_consistent = path.is_some_and(|path| blur.is_consistent(&path, sigma_per_m));
+    fn compare_with_blur(&mut self, blur: &dyn Blur<S>, found: &Unknowns<S>, blur_entered: bool) {
+        let is_consistent;
+        (is_consistent, self.lens_blur) = blur.compare(found, self.estimate.sigma_inverse_depth_per_m, blur_entered);
         self.status = self.status.unless(Objection::Blur, !is_consistent);
     }
 
