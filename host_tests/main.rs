@@ -63,6 +63,7 @@ mod vertical;
 mod table_size;
 mod textured_sequence;
 mod simulator;
+mod smallest;
 mod sizing;
 mod splitting;
 mod statuses;

@@ -148,7 +148,9 @@ pub use error::{
     EdgeError, FitError, FormatNameError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream,
 };
 pub use line::{Counters, Line, OutOfOrder};
-pub use motion::{FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Twist};
+pub use motion::{
+    FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Translation, Twist,
+};
 pub use range::{
     Budget, ErrorSource, Estimate, Interval, LensBlur, LensBlurMeasurement, Post, Range, RangeStatus, Sample, Sigmas,
     Spread, fit,

@@ -49,6 +49,10 @@ impl<S: Scalar> Pose<S> {
 /// [`Twist`](crate::Twist) is the usual one, and [`Trajectory`](crate::Trajectory) makes one from what sensors deliver;
 /// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
+    /// Whether the camera may turn within a frame. `false` where no motion of the type does: a program then does not
+    /// hold what turns rays. `true` is always right.
+    const MAY_TURN: bool = true;
+
     /// Pose `time_s` seconds after frame start. Called once for each knot of a line, whose
     /// rows are taken to pass at the velocity and the rate that are told there.
     fn pose(&self, time_s: S) -> Pose<S>;

@@ -220,7 +220,7 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let Passage { position, half_position, angle, reach, .. } = passage;
         let units = Units::new::<S::Near>(ray, along - ray, reach);
         let (one, none) = (S::Near::ratio(1, 1).over_power_of_two(ray), S::Near::ZERO);
-        let Some(rotation) = passage.rotation else {
+        let Some(rotation) = passage.rotation.filter(|_| M::MAY_TURN) else {
             let (direction, half, along_row) = ([u, w, one], [half_u, half_w, none], [du, dw, none]);
             return Rays { direction, half, along_row, position, half_position, units };
         };
@@ -238,7 +238,7 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
 
     /// Where the camera is at a time, and what it does in `half_s`.
     fn passage(&self, time_s: S, half_s: S) -> Passage<S::Near> {
-        if let Some(passage) = self.steady.as_ref().and_then(|rates| rates.passage::<S>(time_s, half_s)) {
+        if let Some(passage) = self.steady.as_ref().and_then(|rates| rates.passage::<S, M>(time_s, half_s)) {
             return passage;
         }
         self.passage_by_pose(time_s, half_s)
@@ -252,7 +252,7 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let [position, half_position] = [position, half_position].map(|path| path.map(|part| part.near(reach)));
         let angle = scale(pose.rate_rad_s, half_s).map(|part| part.near(0));
         let rotation = RotationMatrix(pose.rotation.map(|row| row.map(|part| part.near(0))));
-        let rotation = (!self.motion.keeps_attitude()).then_some(rotation);
+        let rotation = (M::MAY_TURN && !self.motion.keeps_attitude()).then_some(rotation);
         Passage { position, half_position, rotation, angle, reach }
     }
 }
@@ -285,12 +285,12 @@ impl<N: Near> ConstantRates<N> {
     }
 
     /// `None` where the camera has turned by more than a small angle.
-    fn passage<S: Scalar<Near = N>>(&self, time_s: S, half_s: S) -> Option<Passage<N>> {
+    fn passage<S: Scalar<Near = N>, M: Motion<S>>(&self, time_s: S, half_s: S) -> Option<Passage<N>> {
         let unit = size_of_all([time_s, half_s]);
         let (time, half) = (time_s.near(unit), half_s.near(unit));
         let over = -(self.turn + unit);
         let turned = |rate: [N; 3], time: N| rate.map(|part| part.times(time).over_power_of_two(over));
-        let (rotation, angle) = match self.rate {
+        let (rotation, angle) = match self.rate.filter(|_| M::MAY_TURN) {
             None => (None, [N::ZERO; 3]),
             Some(rate) if over >= 0 => (Some(RotationMatrix::of_small(turned(rate, time))?), turned(rate, half)),
             Some(_) => return None,

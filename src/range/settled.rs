@@ -87,7 +87,7 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         let (none, rho) = (S::ZERO, self.at.inverse_depth);
         let per_miss = -(observation.per_sigma() / self.at.residual(&observation.normals).whole_per_px());
         let pose = self.motion.pose(observation.time_s());
-        let is_steady = self.motion.keeps_attitude();
+        let is_steady = !M::MAY_TURN || self.motion.keeps_attitude();
         let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
         let [u, w] = observation.bearings();
         let ahead = turn([none, none, S::ONE]);

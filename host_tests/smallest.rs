@@ -1,0 +1,117 @@
+//! What a program uses that is to be small finds what the usual program finds.
+
+use shutter_range::format::{Compact, Pixels};
+use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
+use shutter_range::{
+    BoardRanger, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Setup, Translation, Twist,
+};
+
+const COLUMNS: u16 = 320;
+const ROWS: u16 = 240;
+
+fn setup() -> Setup<f32> {
+    Setup::pinhole(COLUMNS, ROWS, 300.0, 33_300_000).expect("a sound setup")
+}
+
+fn motion() -> Twist<f32> {
+    Twist::level([-1.5, 0.0, 0.0]).expect("a sound motion")
+}
+
+/// Bars that stand alone, one before the other, and side by side.
+fn frame(seed: u64) -> Vec<[u8; COLUMNS as usize]> {
+    let mut scene = Scene::<8>::new(Background::plain(170.0)).expect("a sound background");
+    let bars = [(-0.4, 1.0, 0.12, 60.0), (-0.05, 2.0, 0.2, 90.0), (0.15, 3.0, 0.04, 40.0), (0.19, 3.0, 0.04, 40.0)];
+    for (bearing, depth_m, width_m, level) in bars {
+        scene.push(Bar::upright(bearing, depth_m, width_m, level)).expect("a sound bar");
+    }
+    let (setup, exposure) = (setup(), Exposure { time_s: 0.002, psf_sigma_px: 0.7, read_noise: 2.5, shot_gain: 0.03 });
+    let simulator = Simulator::new(&scene, setup.camera(), setup.readout(), &motion(), exposure, seed);
+    let simulator = simulator.expect("sound parameters");
+    let row = |row| {
+        let mut pixels = [0; COLUMNS as usize];
+        simulator.row(row, &mut pixels);
+        pixels
+    };
+    (0..ROWS).map(row).collect()
+}
+
+fn taken<'r, P: Pixels>(rows: &'r [[u8; COLUMNS as usize]], format: impl Fn(&'r [u8]) -> P) -> BoardRanger {
+    let (mut ranger, setup) = (BoardRanger::new(), setup());
+    for (row, pixels) in (0..).zip(rows) {
+        ranger.row(&setup, row, format(pixels)).expect("rows in order");
+    }
+    ranger.end_frame(&setup);
+    ranger
+}
+
+/// The same edges at the same depths, to a fraction of what noise does to each: in some rows between neighbours other
+/// points are found.
+#[test]
+fn compact_rows_show_the_same_edges() {
+    let mut squares = 0.0;
+    for seed in 1..=10 {
+        let rows = frame(seed);
+        let ranges = |mut ranger: BoardRanger| ranger.ranges(&setup(), &motion());
+        let (usual, compact) = (ranges(taken(&rows, |row| row)), ranges(taken(&rows, Compact)));
+        assert_eq!((usual.len(), compact.len()), (8, 8), "seed {seed}");
+        for (usual, compact) in usual.iter().zip(&compact) {
+            assert_eq!(usual.status, RangeStatus::Ok, "seed {seed}: {usual:?}");
+            assert_eq!(compact.status, RangeStatus::Ok, "seed {seed}: {compact:?}");
+            let [usual, compact] = [usual, compact].map(|range| range.estimate);
+            let sigma_per_m = usual.budget.noise_per_m.max(compact.budget.noise_per_m);
+            let off = (compact.inverse_depth_per_m - usual.inverse_depth_per_m) / sigma_per_m;
+            squares += off * off;
+        }
+    }
+    let apart = (squares / 80.0).sqrt();
+    assert!(apart < 0.3, "{apart} sigma");
+}
+
+fn lines<const LINES: usize, const KNOTS: usize, const POINTS: usize>(
+    mut ranger: Ranger<LINES, KNOTS, POINTS>,
+) -> impl Iterator<Item = Line<KNOTS>> {
+    core::iter::from_fn(move || ranger.next_line())
+}
+
+/// Without an exposure there is no blur to measure; with one, only the places count.
+#[test]
+fn without_blur_it_is_the_range_of_an_unknown_exposure() {
+    let (unknown, motion) = (setup(), motion());
+    let known = unknown.with_motion_blur(MotionBlur::from_exposure(0.002)).expect("sound blur");
+    for line in lines(taken(&frame(1), |row| row)) {
+        let range = Range::from_line(&unknown, &motion, &line);
+        assert_eq!(Range::without_blur(&unknown, &motion, &line), range);
+        let without = Range::without_blur(&known, &motion, &line);
+        assert_eq!(without, range);
+        assert!(without.lens_blur.is_none() && Range::from_line(&known, &motion, &line).lens_blur.is_some());
+    }
+}
+
+/// A translation is the twist that turns by nothing, to the last bit; so is a motion of one's own that says nothing of
+/// itself.
+#[test]
+fn a_translation_is_a_twist_that_does_not_turn() {
+    struct Plain(Twist<f32>);
+    impl Motion<f32> for Plain {
+        fn pose(&self, time_s: f32) -> Pose<f32> {
+            self.0.pose(time_s)
+        }
+
+        fn gravity(&self) -> [f32; 3] {
+            self.0.gravity()
+        }
+    }
+    let (velocity_m_s, gravity) = ([-1.5, 0.1, 0.3], [0.05, 0.99, -0.08]);
+    let twist = Twist::new(velocity_m_s, [0.0; 3], gravity).expect("a sound motion");
+    let translation = Translation::new(velocity_m_s, gravity).expect("a sound motion");
+    assert_eq!(translation.pose(0.02), twist.pose(0.02));
+    assert_eq!(translation.gravity(), twist.gravity());
+    for line in lines(taken(&frame(2), |row| row)) {
+        let range = Range::from_line(&setup(), &twist, &line);
+        assert_eq!(Range::from_line(&setup(), &translation, &line), range);
+        let plain = Range::from_line(&setup(), &Plain(twist), &line);
+        let off = plain.estimate.inverse_depth_per_m - range.estimate.inverse_depth_per_m;
+        assert!(off.abs() < 0.01 * range.estimate.sigma_inverse_depth_per_m, "{plain:?}, {range:?}");
+    }
+    assert!(Translation::level([f32::NAN, 0.0, 0.0]).is_err() && Translation::new(velocity_m_s, [0.0; 3]).is_err());
+}
