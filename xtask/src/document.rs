@@ -74,13 +74,13 @@ impl Table<'_> {
     }
 
     fn formats(&self) -> String {
-        let formats = ["", " yuyv", " rgb565le", " gray10p", " bayer8"];
+        let uses = ["two bars", "compact", "two bars yuyv", "two bars rgb565le", "two bars gray10p", "two bars bayer8"];
         let mut text = "The same of the two bars in other pixel formats:\n\n\
-                        | board | gray8 | yuyv | rgb565le | gray10p | bayer8 |\n|---|---|---|---|---|---|\n"
+                        | board | gray8 | compact | yuyv | rgb565le | gray10p | bayer8 |\n|---|---|---|---|---|---|---|\n"
             .to_owned();
         for board in Self::boards() {
             let value = |of: &str| self.value(board, BackEnd::F32, Opt::Speed, of, "instructions_per_pixel");
-            text += &line(&board.to_string(), &formats.map(|format| cell(value(&format!("rows two bars{format}")), 1)));
+            text += &line(&board.to_string(), &uses.map(|of| cell(value(&format!("rows {of}")), 1)));
         }
         text
     }
@@ -144,10 +144,10 @@ impl Table<'_> {
     }
 
     fn sizes(&self, opt: Opt) -> String {
-        let uses = ["edges", "pixels", "pixels sequence", "pixels trajectory"];
+        let uses = ["edges", "smallest", "pixels", "pixels sequence", "pixels trajectory"];
         let mut text = format!(
             "Flash, statics and stack of whole programs with tables for 8 lines, in bytes, `opt-level = {opt}`:\n\n\
-             | board, back end | edge points | pixels | pixels, sequence | pixels, trajectory |\n|---|---|---|---|---|\n"
+             | board, back end | edge points | pixels, smallest | pixels | pixels, sequence | pixels, trajectory |\n|---|---|---|---|---|---|\n"
         );
         for (board, backend) in Self::pairs() {
             let value = |of, quantity| cell(self.value(board, backend, opt, of, quantity), 0);

@@ -23,7 +23,7 @@ pub(crate) struct Use {
     measure: fn(&Firmware, &str) -> Result<Measured>,
 }
 
-pub(crate) const USES: [Use; 22] = [
+pub(crate) const USES: [Use; 24] = [
     Use { name: "rows flat", solves: false, measure: rows },
     Use { name: "rows two bars", solves: false, measure: rows },
     Use { name: "rows five bars", solves: false, measure: rows },
@@ -34,6 +34,7 @@ pub(crate) const USES: [Use; 22] = [
     Use { name: "rows two bars rgb565le", solves: false, measure: rows_in_format },
     Use { name: "rows two bars gray10p", solves: false, measure: rows_in_format },
     Use { name: "rows two bars bayer8", solves: false, measure: rows_in_format },
+    Use { name: "rows compact", solves: false, measure: rows_compact },
     Use { name: "rows worst", solves: false, measure: rows_worst },
     Use { name: "edge", solves: false, measure: edge },
     Use { name: "line", solves: true, measure: line },
@@ -43,6 +44,7 @@ pub(crate) const USES: [Use; 22] = [
     Use { name: "line worst", solves: true, measure: line_worst },
     Use { name: "sequence", solves: true, measure: sequence },
     Use { name: "edges", solves: true, measure: program },
+    Use { name: "smallest", solves: true, measure: program },
     Use { name: "pixels", solves: true, measure: program },
     Use { name: "pixels sequence", solves: true, measure: program },
     Use { name: "pixels trajectory", solves: true, measure: program },
@@ -53,9 +55,11 @@ impl Use {
     pub(crate) fn program(&self) -> &'static str {
         match self.name {
             "edges" => "edges",
+            "smallest" => "smallest",
             "pixels" => "pixels",
             "pixels sequence" => "pixels_sequence",
             "pixels trajectory" => "pixels_trajectory",
+            "rows compact" => "rows_compact",
             name if name.starts_with("rows two bars ") => "formats",
             name if name.starts_with("rows ") => "rows",
             _ => "solve",
@@ -109,6 +113,14 @@ fn rows(firmware: &Firmware, name: &str) -> Result<Measured> {
     let scene = name.strip_prefix("rows ").unwrap_or(name);
     let frames = scenes::frames(scene)?.with_context(|| format!("no scene {scene}"))?;
     Ok(figures_of_rows(&count_rows(firmware, &frames)?))
+}
+
+/// The two bars in rows of a program that is to be small.
+fn rows_compact(firmware: &Firmware, _: &str) -> Result<Measured> {
+    let frames = scenes::frames("two bars")?.context("the scene")?;
+    let mut job = Job::default();
+    job.rig(&Rig::QVGA);
+    Ok(figures_of_rows(&cost_of_frames(firmware, "rows_compact", job, &frames)?))
 }
 
 /// The two bars as a sensor with this format delivers them.

@@ -18,8 +18,12 @@ pub fn setup() -> Result<Setup<Number>, ParameterError> {
 }
 
 /// 1.5 m/s sideways.
+pub fn velocity_m_s() -> [Number; 3] {
+    [Number::ratio(-3, 2), Number::ZERO, Number::ZERO]
+}
+
 pub fn motion() -> Result<Twist<Number>, ParameterError> {
-    Twist::level([Number::ratio(-3, 2), Number::ZERO, Number::ZERO])
+    Twist::level(velocity_m_s())
 }
 
 /// One row of a picture with a bright post that leans as a moving camera sees it. A camera's rows would come by DMA.

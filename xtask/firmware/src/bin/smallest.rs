@@ -1,0 +1,24 @@
+//! The smallest program from rows of pixels to ranges: compact rows, a camera that does not turn, and lines whose blur
+//! is not measured.
+#![no_std]
+#![no_main]
+
+use budget_firmware::small::{COLUMNS, ROWS, Tables, paint, setup, velocity_m_s};
+use shutter_range::format::Compact;
+use shutter_range::{Range, RangeStatus, Translation};
+
+budget_firmware::small_program!(run);
+
+fn run(ranger: &mut Tables) -> bool {
+    let (Ok(setup), Ok(motion)) = (setup(), Translation::level(velocity_m_s())) else { return false };
+    let mut pixels = [0; COLUMNS as usize];
+    for row in 0..ROWS {
+        paint(row, &mut pixels);
+        if ranger.row(&setup, row, Compact(&pixels)).is_err() {
+            return false;
+        }
+    }
+    ranger.end_frame(&setup);
+    let range = ranger.next_line().map(|line| Range::without_blur(&setup, &motion, &line));
+    range.is_some_and(|range| range.status == RangeStatus::Ok)
+}
