@@ -72,8 +72,11 @@ const UNSHARPENED: (i32, i32) = (1, 8);
 /// (`real_cameras::sharpened_frames_said_to_be_linear` with a third).
 const SHARPENED_PX: i32 = 24;
 
-/// Beyond so many sigmas the blur contradicts the slope.
-const MOST_SIGMAS: i32 = 4;
+/// Beyond so many sigmas, and two of the slope's, the blur contradicts the slope: what leans is sharper, by less than
+/// this in clutter (`false_distances::of_clutter` with four); a lens or a focus that is not what was stated makes edges
+/// wider.
+const MOST_SIGMAS_NARROWER: i32 = 3;
+const MOST_SIGMAS_WIDER: i32 = 4;
 
 impl<S: Scalar> BlurMeasurement<S> {
     /// From the widths of a line's points; `None` where the exposure is not known or too few widths were measured.
@@ -157,9 +160,10 @@ impl<S: Scalar> BlurMeasurement<S> {
         let sigma_px = path.per_inverse_depth * sigma_per_m;
         let longer = path.to(path.px.abs() + sigma_px + sigma_px);
         let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
-        let most = |sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(MOST_SIGMAS);
-        self.excess_ln(&shorter) >= -most(self.sigma_narrow_ln, &shorter)
-            && self.excess_ln(&longer) <= S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(self.sigma_ln, &longer)
+        let most = |sigmas, sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(sigmas);
+        let softer = S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(MOST_SIGMAS_WIDER, self.sigma_ln, &longer);
+        self.excess_ln(&shorter) >= -most(MOST_SIGMAS_NARROWER, self.sigma_narrow_ln, &shorter)
+            && self.excess_ln(&longer) <= softer
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.
