@@ -188,7 +188,13 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// were handed over.
     pub(crate) fn stands_out(&self, times: u64) -> bool {
         let rows = self.last.row.abs_diff(self.first.row).saturating_add(1);
-        !(self.of_pixels && self.prominence.is_by_chance(times, self.points, rows))
+        !(self.of_pixels && self.prominence.is_by_chance(times, self.points, rows, self.scatter_q32()))
+    }
+
+    /// Variance of the scatter of the points in 1/2³² px², where texture beside the line makes it that.
+    fn scatter_q32(&self) -> Option<u64> {
+        let sum_q32 = self.knots.iter().fold(0_u64, |sum, knot| sum.saturating_add(knot.variances_q32));
+        self.is_beside_texture.then(|| sum_q32.checked_div(self.points.into()).unwrap_or(0))
     }
 
     /// How far both levels overshoot beside the flank, as a share of the contrast times a pixel, in 1/65536; zero for a

@@ -2,7 +2,8 @@
 
 use super::halo::Halo;
 use super::tuning::{
-    AROUND_PX, CHANCE_SIGMAS_Q1, HALO_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
+    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, HALO_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS,
+    ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
 };
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
@@ -25,8 +26,9 @@ pub(super) struct Prominence {
 
 impl Prominence {
     /// Whether parallel lines in the texture around would show as much contrast, divided by `times`, once in many
-    /// frames, for a line with `points` in `rows`.
-    pub(super) fn is_by_chance(&self, times: u64, points: u16, rows: u16) -> bool {
+    /// frames, and lead as straight, for a line with `points` in `rows`; beside texture with the variance of their scatter in
+    /// 1/2³² px².
+    pub(super) fn is_by_chance(&self, times: u64, points: u16, rows: u16, scatter_q32: Option<u64>) -> bool {
         let (points, rows) = (u64::from(points), u64::from(rows));
         let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
         let sigma_q8 = self.sigma_q8();
@@ -35,8 +37,14 @@ impl Prominence {
         let rows = (points * seen_q8 * seen_q8 * seen_q8) >> 24;
         // The mean of n rows has √(8/n) of the deviation of one, and longer tails the fewer they are.
         let left_q8 = (mean_q8 * rows).checked_div(rows + TAIL_ROWS).unwrap_or(0);
-        let most_square = CHANCE_SIGMAS_Q1 * CHANCE_SIGMAS_Q1 * u64::from(ROWS_ALIKE_IN_TEXTURE) * sigma_q8 * sigma_q8;
-        4 * left_q8 * left_q8 * rows < times * times * most_square
+        let alike = u64::from(ROWS_ALIKE_IN_TEXTURE);
+        let most_square = CHANCE_SIGMAS_Q1 * CHANCE_SIGMAS_Q1 * alike * sigma_q8 * sigma_q8;
+        // Of so many rows as are not alike, two say where a line leads; each other one is that near to it by chance as
+        // the scatter is to that of texture. As a square of sigmas, twice its logarithm.
+        let straight_rows = rows.saturating_sub(2 * alike) as i64;
+        let twice_ln_q8 = |scatter_q32| ((log2_q8(CHANCE_SCATTER_Q32) - log2_q8(scatter_q32)) * LN_2_Q8) >> 8;
+        let straight = ((sigma_q8 * sigma_q8) as i64 * straight_rows * scatter_q32.map_or(0, twice_ln_q8)) >> 8;
+        4 * ((left_q8 * left_q8 * rows) as i64 + straight) < (times * times * most_square) as i64
     }
 
     /// Deviation of the steps beside the line, in 1/256 of a grey level times four pixels.
@@ -94,6 +102,17 @@ impl Prominence {
         self.changes_sum = self.changes_sum.saturating_add(other.changes_sum);
         self.halo.add(&other.halo);
     }
+}
+
+const LN_2_Q8: i64 = 177;
+
+/// Binary logarithm in 1/256, by chords between powers of two: at most 0.09 too little.
+const fn log2_q8(value: u64) -> i64 {
+    let value = if value > 0 { value } else { 1 };
+    let whole = value.ilog2();
+    // The highest nine bits.
+    let part = if whole > 8 { value >> (whole - 8) } else { value << (8 - whole) };
+    ((whole << 8) + (part as u32 & 0xff)) as i64
 }
 
 /// Steps beside a line when they were last looked at. An upright edge beside it shows the same again, texture does not.
@@ -196,7 +215,7 @@ mod tests {
     fn an_edge_before_nothing_is_not_by_chance() {
         for rows in [8, 40, 400] {
             let prominence = after(rows, |_| with_step([100; COLUMNS], 12));
-            assert!(!prominence.is_by_chance(1, rows, rows), "{rows} rows");
+            assert!(!prominence.is_by_chance(1, rows, rows, None), "{rows} rows");
         }
     }
 
@@ -204,15 +223,47 @@ mod tests {
     fn texture_decides_by_contrast_and_length() {
         for (rows, contrast, is_by_chance) in [(12, 40, true), (60, 12, true), (60, 120, false), (200, 80, false)] {
             let prominence = after(rows, |row| with_step(texture(row, 4, 50), contrast));
-            assert_eq!(prominence.is_by_chance(1, rows, rows), is_by_chance, "{rows} rows, contrast {contrast}");
+            assert_eq!(prominence.is_by_chance(1, rows, rows, None), is_by_chance, "{rows} rows, contrast {contrast}");
         }
+    }
+
+    /// Of one contrast, what scatters as texture does is by chance, and what is straighter is none.
+    #[test]
+    fn a_straight_line_is_none_by_chance() {
+        let px_q32 = |px: f64| Some((px * px * f64::from(1 << 16).powi(2)) as u64);
+        let is_by_chance = |contrast, rows, scatter| {
+            let prominence = after(rows, |row| with_step(texture(row, 4, 50), contrast));
+            prominence.is_by_chance(1, rows, rows, scatter)
+        };
+        for (contrast, rows, straight_px, scattered_px) in
+            [(40, 60, 0.1, 0.2), (30, 100, 0.2, 0.3), (48, 100, 0.4, 0.5)]
+        {
+            assert!(!is_by_chance(contrast, rows, px_q32(straight_px)), "{rows} rows");
+            assert!(is_by_chance(contrast, rows, px_q32(scattered_px)), "{rows} rows");
+        }
+        // What scatters more than texture needs more contrast.
+        assert!(!is_by_chance(56, 100, px_q32(0.5)) && is_by_chance(56, 100, px_q32(1.0)));
+        assert!(is_by_chance(30, 16, px_q32(0.001)), "two places lie on every line");
+    }
+
+    #[test]
+    fn logarithms_are_good_to_a_tenth() {
+        for shift in 0..40 {
+            for part in 1..=50_u64 {
+                let value = part << shift;
+                let exact = (value as f64).log2();
+                let off = exact - super::log2_q8(value) as f64 / 256.0;
+                assert!((-0.004..0.09).contains(&off), "{value}: {off}");
+            }
+        }
+        assert_eq!(super::log2_q8(0), 0);
     }
 
     /// Other upright edges, however dense, are no texture.
     #[test]
     fn a_fence_is_no_texture() {
         let fence = |_| core::array::from_fn(|column| if column / 4 % 2 == 0 { 180 } else { 60 });
-        assert!(!after(60, fence).is_by_chance(1, 60, 60));
+        assert!(!after(60, fence).is_by_chance(1, 60, 60, None));
     }
 
     #[test]
@@ -225,6 +276,6 @@ mod tests {
     #[test]
     fn gaps_count_against_a_line() {
         let prominence = after(60, |row| with_step(texture(row, 4, 50), 120));
-        assert!(!prominence.is_by_chance(1, 60, 60) && prominence.is_by_chance(1, 60, 150));
+        assert!(!prominence.is_by_chance(1, 60, 60, None) && prominence.is_by_chance(1, 60, 150, None));
     }
 }

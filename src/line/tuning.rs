@@ -4,6 +4,10 @@
 /// deviations: a frame has some 10⁵ places for a line (`false_distances::of_clutter`, and fewer real edges with more).
 pub(super) const CHANCE_SIGMAS_Q1: u64 = 9;
 
+/// Mean square of what texture scatters about a line that it makes by chance, in 1/2³² px²: half a pixel
+/// (`line::prominence::tests::a_straight_line_is_none_by_chance`).
+pub(super) const CHANCE_SCATTER_Q32: u64 = 1 << 30;
+
 /// Texture has longer tails than normal values, of which the mean of many rows keeps nothing: for so many rows the
 /// limit above is doubled, for fewer it is more (`false_distances::of_texture`, `false_distances::of_clutter`).
 pub(super) const TAIL_ROWS: u64 = 40;
@@ -54,6 +58,12 @@ pub(super) const HIDDEN_ROWS: u16 = 4;
 /// (`frames::a_line_goes_on_behind_a_rail`, `clutter::posts_above_each_other_stay_two_edges`).
 pub(super) const LEAST_STITCH_POINTS: u16 = 8;
 pub(super) const MOST_STITCH_POINTS: u16 = 32;
+
+/// However noisy the edges are, what goes on is no farther off than this, in 1/65536 px, and its slope parts from the
+/// older line's by no more over the rows between them, or over so many where these are fewer: beyond it some edge is
+/// always found in a busy scene (`line::stitch::tests::what_is_beside_or_turned_is_another_edge`).
+pub(super) const MOST_STITCH_OFF_Q16: u32 = 2 << 16;
+pub(super) const LEAST_TURN_ROWS: u16 = 16;
 
 /// A slope's difference that is no turn, in 1/65536 px per row (`frames::a_line_goes_on_behind_a_rail`).
 pub(super) const NO_TURN_Q16: u64 = 1 << 10;
