@@ -42,3 +42,51 @@ fn continued_by<const LINES: usize, const KNOTS: usize>(
     }
     nearest.map(|(_, place)| place)
 }
+
+#[cfg(test)]
+mod tests {
+    use core::ops::Range;
+
+    use super::super::track::{State, Track};
+    use crate::edge::EdgePoint;
+    use crate::setup::Limits;
+
+    /// A noisy line: every other point lies 0.6 px off on either side.
+    fn track(rows: Range<u16>, column_px: impl Fn(f32) -> f32) -> Track<16> {
+        let point = |row: u16| {
+            let noise_px = if row.is_multiple_of(2) { 0.6 } else { -0.6 };
+            let column_q16 = ((column_px(row.into()) + noise_px) * 65536.0) as i32;
+            EdgePoint { sigma_q16: 39_000, ..EdgePoint::new(row, column_q16, i64::from(row) * 70_000) }
+        };
+        let mut track = Track::new(point(rows.start), &Limits::DEFAULT);
+        for row in rows.skip(1) {
+            assert!(track.take(point(row), &Limits::DEFAULT));
+        }
+        track
+    }
+
+    /// Whether a line of 60 rows at column 100, hidden since, goes on in such rows.
+    fn goes_on(rows: Range<u16>, column_px: impl Fn(f32) -> f32) -> bool {
+        let mut older = track(0..60, |_| 100.0);
+        older.state = State::Hidden;
+        older.stitch_distance(&track(rows, column_px), &Limits::DEFAULT).is_some()
+    }
+
+    #[test]
+    fn what_is_beside_or_turned_is_another_edge() {
+        for side in [-1.0, 1.0] {
+            assert!(goes_on(80..100, |_| 100.0 + side * 0.8));
+            assert!(!goes_on(80..100, |_| 100.0 + side * 3.0));
+            assert!(goes_on(65..73, |row| 100.0 + side * 0.06 * (row - 65.0)));
+            assert!(!goes_on(65..73, |row| 100.0 + side * 0.21 * (row - 65.0)));
+            assert!(goes_on(100..130, |row| 100.0 + side * 0.02 * (row - 115.0)));
+            assert!(!goes_on(100..130, |row| 100.0 + side * 0.07 * (row - 115.0)));
+        }
+    }
+
+    /// Somewhere below there is always an edge.
+    #[test]
+    fn what_was_hidden_for_longer_than_it_was_seen_does_not_go_on() {
+        assert!(goes_on(110..130, |_| 100.0) && !goes_on(130..150, |_| 100.0));
+    }
+}

@@ -5,8 +5,8 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    GATE_POINTS, LEAST_STITCH_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS,
-    NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
+    GATE_POINTS, LEAST_STITCH_POINTS, LEAST_TURN_ROWS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_OFF_Q16,
+    MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
@@ -358,8 +358,8 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.state == State::Confirmed && (LEAST_STITCH_POINTS..=MOST_STITCH_POINTS).contains(&self.line.points())
     }
 
-    /// How far off this hidden line a young one goes on, if it may be the same edge: where it is expected, and as steep
-    /// as far as its edges tell, if they are as noisy as this line's.
+    /// How far off this hidden line a young one goes on, if it may be the same edge: soon, where it is expected, and as
+    /// steep as far as its edges tell, if they are as noisy as this line's.
     pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u32> {
         let (mine, theirs) = (&self.line, &young.line);
         if self.state != State::Hidden || mine.first().polarity != theirs.first().polarity {
@@ -374,8 +374,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let theirs_q16 = if self.line.is_beside_texture { young.filter.scatter_q16 } else { 0 };
         let scatter_q16 = u64::from(self.filter.scatter_q16.max(theirs_q16));
         let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
-        let is_alike = mine.prominence.is_like(&theirs.prominence);
-        let goes_on = is_alike && off_q16 <= prediction.gate_q16 && turn_q16 <= most_turn_q16;
+        let hidden_rows = theirs.first().row.abs_diff(mine.last().row);
+        let parted_q16 = turn_q16 * u64::from(hidden_rows.max(LEAST_TURN_ROWS));
+        let is_in_line = off_q16 <= prediction.gate_q16.min(MOST_STITCH_OFF_Q16)
+            && turn_q16 <= most_turn_q16
+            && parted_q16 <= u64::from(MOST_STITCH_OFF_Q16);
+        let goes_on = is_in_line && hidden_rows <= mine.points() && mine.prominence.is_like(&theirs.prominence);
         goes_on.then_some(off_q16)
     }
 
