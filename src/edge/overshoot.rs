@@ -48,7 +48,8 @@ impl EdgeModel {
         let most_q6 = contrast_q6.abs() / MOST_PARTS;
         let beyond = |foot_q6: i32| {
             let away_q6 = if contrast_q6 < 0 { -foot_q6 - of_width_q6 } else { foot_q6 + of_width_q6 };
-            (away_q6.clamp(-most_q6, most_q6) >> 4) as i16
+            // No `clamp`: that would panic where its bounds were out of order.
+            (away_q6.max(-most_q6).min(most_q6) >> 4) as i16
         };
         Some([left, right].map(beyond))
     }
