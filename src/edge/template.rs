@@ -50,11 +50,25 @@ pub(super) struct Sampled {
 pub(super) struct Phase {
     pub(super) weights: &'static [Weight],
     pub(super) norms: Norms,
+    /// How far it is from the middle of the pixel, in 1/256 px.
+    off_q8: i16,
+    /// Its place among the phases of all classes.
+    place: u8,
+}
+
+/// What of a phase only the quick ways of grey bytes ask for: a table of its own, which programs without these leave
+/// out.
+pub(super) struct QuickPhase {
     pub(super) expected: Expected,
     /// [`Template::per_width`].
     pub(super) per_width: Factor,
-    /// How far it is from the middle of the pixel, in 1/256 px.
-    off_q8: i16,
+}
+
+impl Phase {
+    #[inline(always)]
+    pub(super) fn quick(&self) -> &'static QuickPhase {
+        QUICK_PHASES.get(usize::from(self.place)).unwrap_or(&NO_QUICK_PHASE)
+    }
 }
 
 impl Template {
@@ -183,8 +197,8 @@ static WEIGHTS: [Weight; WEIGHT_COUNT] = ALL_WEIGHTS;
 
 const WEIGHT_COUNT: usize = (WIDEST.first + WIDEST.weights()) as usize;
 
-const NO_PHASE: Phase =
-    Phase { weights: &[], norms: Norms::NONE, expected: Expected::NONE, per_width: Factor::ONE, off_q8: 0 };
+const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE, off_q8: 0, place: 0 };
+const NO_QUICK_PHASE: QuickPhase = QuickPhase { expected: Expected::NONE, per_width: Factor::ONE };
 
 static PHASES: [Phase; PHASE_COUNT] = {
     let mut phases = [const { NO_PHASE }; PHASE_COUNT];
@@ -200,11 +214,26 @@ static PHASES: [Phase; PHASE_COUNT] = {
                 pixel += 1;
             }
             let norms = sums.norms([template.plateau() as u32; 2]);
-            let expected = Expected::of(weights);
-            let (per_width, off_q8) = (template.per_width(&norms), template.phase_off_q8(phase) as i16);
-            phases[template.first_phase as usize + phase] = Phase { weights, norms, expected, per_width, off_q8 };
+            let (off_q8, place) = (template.phase_off_q8(phase) as i16, template.first_phase + phase as u8);
+            phases[place as usize] = Phase { weights, norms, off_q8, place };
             rest = others;
             phase += 1;
+        }
+        class += 1;
+    }
+    phases
+};
+
+static QUICK_PHASES: [QuickPhase; PHASE_COUNT] = {
+    let mut phases = [const { NO_QUICK_PHASE }; PHASE_COUNT];
+    let mut class = 0;
+    while class < CLASSES {
+        let template = &TEMPLATES[class];
+        let mut place = template.first_phase as usize;
+        while place < template.first_phase as usize + (1 << template.phases_log2) {
+            let Phase { weights, norms, .. } = &PHASES[place];
+            phases[place] = QuickPhase { expected: Expected::of(weights), per_width: template.per_width(norms) };
+            place += 1;
         }
         class += 1;
     }
@@ -343,7 +372,7 @@ mod tests {
             for phase in phases {
                 for level in 4..=255 {
                     let per_contrast = template.per_contrast(level << 8).expect("a contrast");
-                    for factor in [phase.norms.per_slope, phase.per_width] {
+                    for factor in [phase.norms.per_slope, phase.quick().per_width] {
                         let both = factor.roughly_and(per_contrast);
                         assert!((12..44).contains(&(both.lost() + 16)), "class {class}, {level}: {both:?}");
                         let value = 1 << 24;

@@ -162,7 +162,7 @@ impl EdgeModel {
         let (slope, widening) = (products.residual_slope, products.residual_widening);
         let (slope, widening) = if contrast.is_falling { (-slope, -widening) } else { (slope, widening) };
         let shift_q16 = phase.norms.per_slope.roughly_and(contrast.reciprocal).product(slope);
-        let change_q12 = phase.per_width.roughly_and(contrast.reciprocal).product(widening);
+        let change_q12 = phase.quick().per_width.roughly_and(contrast.reciprocal).product(widening);
         let width_q12 = (i32::from(self.template().width_q8) << 4).saturating_add(change_q12);
         ((centre_q8 << 8).saturating_sub(shift_q16), width_q12)
     }

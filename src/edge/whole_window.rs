@@ -122,7 +122,7 @@ impl Sums {
     /// Given the levels to expect.
     #[inline(always)]
     pub(super) fn products(&self, phase: &Phase, levels_q8: [i32; 2]) -> Products {
-        phase.expected.products(self.slope, self.widening, levels_q8)
+        phase.quick().expected.products(self.slope, self.widening, levels_q8)
     }
 }
 
