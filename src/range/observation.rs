@@ -28,6 +28,16 @@ impl<N: Near> Normal<N> {
         Self { x, z, moved: near_dot(normal, position) }
     }
 
+    /// Of the direction down in the axes of a level camera.
+    fn of_down([x, _, z]: [N; 3], [px, _, pz]: [N; 3]) -> Self {
+        Self { x: -z, z: x, moved: x.times(pz).minus_product(z, px) }
+    }
+
+    /// Of the direction to the right, in which edges lean before a level camera.
+    fn of_lean([_, y, z]: [N; 3], [_, py, pz]: [N; 3]) -> Self {
+        Self { x: N::ZERO, z: -y, moved: z.times(py).minus_product(y, pz) }
+    }
+
     /// Of a direction along the x axis.
     fn of_right(x: N, [_, ey, ez]: [N; 3], [_, py, pz]: [N; 3]) -> Self {
         let z = x.times(ey);
@@ -140,6 +150,8 @@ pub(crate) struct Observer<'a, S: Scalar, M> {
     /// Those of the line that the observations are held against.
     gravity: [S::Near; 3],
     lean: [S::Near; 3],
+    /// Whether these are the axes of the camera at frame start: next to nothing is left of their products then.
+    is_level: bool,
     /// What the motion is, where that is constant.
     steady: Option<ConstantRates<S::Near>>,
 }
@@ -147,9 +159,10 @@ pub(crate) struct Observer<'a, S: Scalar, M> {
 impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
     pub(crate) fn new(camera: &'a Camera<S>, motion: &'a M, directions: [[S; 3]; 2]) -> Self {
         // Unit vectors.
+        let is_level = directions == [[S::ZERO, S::ONE, S::ZERO], [S::ONE, S::ZERO, S::ZERO]];
         let [gravity, lean] = directions.map(|direction| direction.map(|component| component.near(0)));
         let steady = motion.constant_rates().map(ConstantRates::new);
-        Self { spans: RaySpans::new(camera), motion, gravity, lean, steady }
+        Self { spans: RaySpans::new(camera), motion, gravity, lean, is_level, steady }
     }
 
     /// `None` where the lens model has no ray.
@@ -169,8 +182,7 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         // Up to the third order, the mean over a span is that of two points one standard deviation off its middle, and
         // that of a product the product of the means and this. What it would add to the lean is the product of two
         // small numbers.
-        let bow = near_dot(near_cross(rays.half, self.gravity), rays.half_position);
-        normals.down.moved = normals.down.moved + bow;
+        normals.down.moved = normals.down.moved + self.down(rays.half, rays.half_position).moved;
         // No less than the rounding of the column itself.
         let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
         Some(Observation {
@@ -189,22 +201,30 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let span = self.spans.span([point.column_px, point.row_px], [S::ZERO; 2])?;
         let rays = self.rays(&span, point.time_s, half_s);
         let Rays { direction, half, position, half_position, .. } = rays;
-        let (mut down, mut lean) =
-            (Normal::of(half, self.gravity, position), Normal::of_flat(half, self.lean, position));
-        down.moved = down.moved + Normal::of(direction, self.gravity, half_position).moved;
-        lean.moved = lean.moved + Normal::of_flat(direction, self.lean, half_position).moved;
+        let (mut down, mut lean) = (self.down(half, position), self.lean(half, position));
+        down.moved = down.moved + self.down(direction, half_position).moved;
+        lean.moved = lean.moved + self.lean(direction, half_position).moved;
         Some(Normals { down: down.minus_twice(), lean: lean.minus_twice(), ..self.normals(&rays) })
+    }
+
+    /// That of a ray and gravity.
+    fn down(&self, ray: [S::Near; 3], position: [S::Near; 3]) -> Normal<S::Near> {
+        if self.is_level { Normal::of_down(ray, position) } else { Normal::of(ray, self.gravity, position) }
+    }
+
+    /// That of a ray and the lean.
+    fn lean(&self, ray: [S::Near; 3], position: [S::Near; 3]) -> Normal<S::Near> {
+        if self.is_level { Normal::of_lean(ray, position) } else { Normal::of_flat(ray, self.lean, position) }
     }
 
     /// Those through a ray and the two directions that an edge is made of.
     fn normals(&self, rays: &Rays<S::Near>) -> Normals<S> {
         let Rays { direction, along_row, position, units, .. } = *rays;
-        let down = |ray| Normal::of(ray, self.gravity, position);
-        let lean = |ray| Normal::of_flat(ray, self.lean, position);
+        let (down, lean) = (|ray| self.down(ray, position), |ray| self.lean(ray, position));
         let none = S::Near::ZERO;
         let [down_per_px, lean_per_px] = match along_row {
             // Neither the camera has turned nor the lens distorts.
-            [right, y, z] if y == none && z == none => {
+            [right, y, z] if !self.is_level && y == none && z == none => {
                 [self.gravity, self.lean].map(|axis| Normal::of_right(right, axis, position))
             }
             _ => [down(along_row), lean(along_row)],
