@@ -255,9 +255,16 @@ impl<const KNOTS: usize> Track<KNOTS> {
             && let Some(found) =
                 model.locate_near(row, column_q16, gate_q16, &self.line.untracked.among(*around, column_q16))
         {
-            return Some(self.take_located(&found, column_q16, at, limits));
+            self.take_next_apart(&found, column_q16, at, limits);
+            return Some(true);
         }
         Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, *at, *row, *around, limits))
+    }
+
+    /// Likewise, in code of its own.
+    #[inline(never)]
+    fn take_next_apart(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
+        self.take_next(found, predicted_q16, at, limits);
     }
 
     /// Takes what the next row shows as the rows before did.
