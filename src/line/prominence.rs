@@ -2,7 +2,7 @@
 
 use super::halo::Halo;
 use super::tuning::{
-    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, HALO_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_ROWS,
+    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, HALO_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS,
     ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
 };
 use crate::edge::{EdgePoint, PixelRow, Polarity};
@@ -119,17 +119,17 @@ const fn log2_q8(value: u64) -> i64 {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Around {
-    steps: [i16; AROUND_PX.len()],
+    steps: [i16; LOOK_PLACES],
 }
 
 /// No step: not looked at yet.
 const UNSEEN: i16 = i16::MIN;
 
 impl Around {
-    pub(super) const UNSEEN: Self = Self { steps: [UNSEEN; AROUND_PX.len()] };
+    pub(super) const UNSEEN: Self = Self { steps: [UNSEEN; LOOK_PLACES] };
 
     /// Looks at the row of a point, at its line and beside it: at all places in the first row, then at one; in every
-    /// second row.
+    /// fourth row.
     pub(super) fn look<P: Pixels>(&mut self, prominence: &mut Prominence, row: PixelRow<'_, P>, point: &EdgePoint) {
         if prominence.rows > 0 && !point.row.is_multiple_of(LOOK_ROWS) {
             return;
@@ -141,7 +141,7 @@ impl Around {
         if prominence.rows == 0 {
             prominence.first_step = upper_quartile(AROUND_PX.into_iter().flat_map(|off| [beside(off), beside(-off)]));
         } else {
-            let index = usize::from(point.row / LOOK_ROWS) % AROUND_PX.len();
+            let index = usize::from(point.row / LOOK_ROWS) % LOOK_PLACES;
             let (Some(off), Some(before)) = (AROUND_PX.get(index), self.steps.get_mut(index)) else { return };
             let Some(step) = beside(*off) else { return };
             if *before != UNSEEN {

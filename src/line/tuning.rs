@@ -27,10 +27,11 @@ pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = 8;
 /// Where the texture around a line is looked at, in pixels beyond its blur: within a few gates, on either side.
 pub(super) const AROUND_PX: [i32; 8] = [-8, 12, -16, 20, -24, 28, -32, 36];
 
-/// The line and one of these places are looked at in every second row, so that each is seen again after 16 rows:
-/// texture has changed by then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences with
-/// more).
-pub(super) const LOOK_ROWS: u16 = 2;
+/// The line and one of so many of these places are looked at in every so many rows, so that each is seen again after 16
+/// rows: texture has changed by then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences
+/// with more). Rows between these are alike in texture (`cargo xtask budget --use "two bars"`).
+pub(super) const LOOK_PLACES: usize = 4;
+pub(super) const LOOK_ROWS: u16 = 4;
 
 /// So many changes tell how much the texture changes; with fewer, everything around a line counts as texture, also
 /// upright edges (`false_distances::of_texture`).
