@@ -78,20 +78,25 @@ pub(super) fn coarse(
     let mut buffer = [0; SPAN * (GROUP + 1)];
     let mut open: Option<(usize, usize)> = None;
     let spans = pixels.columns() / SPAN;
-    for gap in unexplained(explained, spans) {
-        for at in gap.clone().step_by(GROUP) {
+    let (mut at, mut flanks) = (1, explained.iter());
+    loop {
+        let flank = flanks.next().map(spans_of);
+        let gap_end = flank.as_ref().map_or(spans, |flank| flank.start.min(spans));
+        while at < gap_end {
+            let end = gap_end.min(at + GROUP);
             // With the span before it.
-            let spans = grey(pixels, (at - 1) * SPAN..(at + GROUP).min(gap.end) * SPAN, &mut buffer);
-            if Comparison::is_beyond_in(limit, spans) {
-                let (before, group) = spans.split_at(SPAN.min(spans.len()));
-                let mut comparison = Comparison::begin(limit, before);
-                for (index, span) in group.chunks_exact(SPAN).enumerate() {
-                    if comparison.span(span) & Comparison::HIGHEST != 0 && is_asked(at + index) {
+            let group = grey(pixels, (at - 1) * SPAN..end * SPAN, &mut buffer);
+            if Comparison::is_beyond_in(limit, group) {
+                each_beyond(limit, group, |index| {
+                    if is_asked(at + index) {
                         add_stretch(&mut open, at + index, &mut stretch);
                     }
-                }
+                });
             }
+            at = end;
         }
+        let Some(flank) = flank else { break };
+        at = at.max(flank.end);
     }
     if !pixels.columns().is_multiple_of(SPAN) && has_edge_in_tail(pixels, limit) {
         add_stretch(&mut open, spans.max(2) - 1, &mut stretch);
@@ -116,16 +121,16 @@ fn spans_of(positions: &Range<u16>) -> Range<usize> {
     span_of(positions.start)..span_of(positions.end) + 1
 }
 
-/// The spans of a row, but for the first and those with explained positions: what is between these.
-fn unexplained(explained: &[Range<u16>], spans: usize) -> impl Iterator<Item = Range<usize>> {
-    let flanks = explained.iter().map(spans_of).map(move |flank| (flank.start.min(spans), flank.end));
-    let mut from = 1;
-    let gaps = flanks.chain([(spans, spans)]).map(move |(start, end)| {
-        let gap = from..start;
-        from = from.max(end);
-        gap
-    });
-    gaps.filter(|gap| !gap.is_empty())
+/// Hands over which spans of a group, after the one with which it begins, have a difference beyond the limit.
+#[inline(never)] // few groups have one
+fn each_beyond(limit: u32, group: &[u8], mut take: impl FnMut(usize)) {
+    let (before, spans) = group.split_at(SPAN.min(group.len()));
+    let mut comparison = Comparison::begin(limit, before);
+    for (index, span) in spans.chunks_exact(SPAN).enumerate() {
+        if comparison.span(span) & Comparison::HIGHEST != 0 {
+            take(index);
+        }
+    }
 }
 
 /// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
