@@ -17,6 +17,27 @@ const FOOT_PER_WIDTH_Q8: i32 = 31;
 /// halo of strong sharpening (`tests::the_end_of_an_object_is_no_halo`).
 const MOST_PARTS: i32 = 8;
 
+/// The pixels of a flank at one of its ends, and the sum of what the step is off the level there, in 1/32768.
+struct Foot {
+    pixels: usize,
+    off: i32,
+}
+
+impl Foot {
+    /// Of what the step is off the level in each pixel, from the end of the flank on.
+    #[inline(always)]
+    fn of(each_off: impl Iterator<Item = i32>) -> Self {
+        let none = Self { pixels: 0, off: 0 };
+        let add = |foot: Self, off: i32| Self { pixels: foot.pixels + 1, off: foot.off + off };
+        each_off.take_while(|off| *off < FOOT).fold(none, add)
+    }
+
+    /// The sum of what they should show, given the level and the contrast from there on.
+    const fn expected(&self, level_q6: i32, contrast_q6: i32) -> i32 {
+        self.pixels as i32 * level_q6 + ((contrast_q6 * self.off) >> 15)
+    }
+}
+
 impl EdgeModel {
     /// How far the feet of the flank lie beyond what a blurred step of the point's width shows there, away from the
     /// other level: sums over the pixels on the left and on the right, in quarters of a grey level. `None` where the
@@ -25,22 +46,17 @@ impl EdgeModel {
         let template = self.template();
         let Sampled { first, phase, .. } = template.at(point.column_q16 >> 8);
         let from = usize::try_from(first).ok()?;
-        let flank = Stretch { from, to: from + phase.weights.len() };
-        if flank.to > row.columns() as usize || row.colours() > 1 || point.width_q8 == 0 {
+        let to = from + phase.weights.len();
+        if to > row.columns() as usize || row.colours() > 1 || point.width_q8 == 0 {
             return None;
         }
         let [left_q6, right_q6] = self.levels_q8(row.kind()).map(|level_q8| level_q8 >> 2);
         let contrast_q6 = right_q6 - left_q6;
-        let [mut left, mut right] = [0; 2];
-        row.each_light_q8(flank, phase.weights.iter(), |light_q8, weight| {
-            let step = i32::from(weight.step);
-            let off_q6 = (light_q8 >> 2) - left_q6 - ((contrast_q6 * step) >> 15);
-            if step < FOOT {
-                left -= off_q6;
-            } else if step > (1 << 15) - FOOT {
-                right += off_q6;
-            }
-        });
+        let on_left = Foot::of(phase.weights.iter().map(|weight| i32::from(weight.step)));
+        let on_right = Foot::of(phase.weights.iter().rev().map(|weight| (1 << 15) - i32::from(weight.step)));
+        let light_q6 = |from: usize, to: usize| (row.sum_q8(Stretch { from, to }) >> 2) as i32;
+        let left = on_left.expected(left_q6, contrast_q6) - light_q6(from, from + on_left.pixels);
+        let right = light_q6(to - on_right.pixels, to) - on_right.expected(right_q6, -contrast_q6);
         let wider_q8 = i32::from(point.width_q8) - i32::from(template.width_q8);
         // The phase is off by as much to one side as to the other in the mean of some rows.
         let of_width_q6 = ((contrast_q6 >> 2) * wider_q8 * FOOT_PER_WIDTH_Q8) >> 14;

@@ -70,7 +70,7 @@ impl<P: Pixels> PixelRow<'_, P> {
     }
 
     /// Sum of the light, in 1/256 of a level, of up to 65 536 pixels.
-    fn sum_q8(&self, stretch: Stretch) -> u32 {
+    pub(super) fn sum_q8(&self, stretch: Stretch) -> u32 {
         match self.light_bytes(stretch) {
             Some(bytes) => sum(bytes) << 8,
             None => self.sum_of_light_q8(stretch),
