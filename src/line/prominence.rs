@@ -2,7 +2,7 @@
 
 use super::halo::Halo;
 use super::tuning::{
-    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, HALO_SIGMAS, LEAST_CHANGES, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS,
+    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, HALO_SIGMAS_Q1, LEAST_CHANGES, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS,
     ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
 };
 use crate::edge::{EdgePoint, PixelRow, Polarity};
@@ -67,7 +67,7 @@ impl Prominence {
         // Two pixels on either side have a third of the deviation of eight in their mean.
         let sigma_q18 = (self.sigma_q8() << 9).checked_div(u64::from(self.halo.rows()).isqrt() * 3 / 2).unwrap_or(0);
         let mean_q18 = self.halo.mean_q18();
-        let is_chance = u64::from(mean_q18) < HALO_SIGMAS * sigma_q18;
+        let is_chance = 2 * u64::from(mean_q18) < HALO_SIGMAS_Q1 * sigma_q18;
         if is_chance { 0 } else { mean_q18.checked_div(contrast_q2.unwrap_or(0)).unwrap_or(0) }
     }
 
