@@ -102,5 +102,5 @@ pub(super) const FARTHEST_TURN: i32 = 32;
 /// the_right_one_of_several_minima` with less).
 pub(super) const LEAST_BARRIER: i32 = 4;
 
-/// Likewise where a twin fits worse by less than four sigma: the square of it (the same test with less).
-pub(super) const TWIN_COST: i32 = 16;
+/// Likewise where a twin fits worse by less than three sigma: the square of it (the same test with half of it).
+pub(super) const TWIN_COST: i32 = 9;
