@@ -209,7 +209,7 @@ impl<'p, P: Pixels> Window<'p, P> {
     }
 }
 
-/// How far apart the scanner and a line may find one edge.
+/// How far apart the scanner and a line may find one edge (`tests::an_edge_that_is_found_twice_is_one`).
 const SAME_EDGE_Q16: u32 = 1 << 16;
 
 /// Which pixels of a row are an edge's own.
@@ -274,4 +274,23 @@ pub(super) fn view(column_q8: i32, reach_q8: i32, (left_q8, right_q8): (i32, i32
     let left = (left_q8 + reach_q8).min((column_q8 + left_q8) >> 1);
     let right = (right_q8 - reach_q8).max((column_q8 + right_q8) >> 1);
     (left, right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Neighbours;
+
+    /// What the scanner finds up to a pixel off a line's own column is that line's edge; what is farther is another one.
+    #[test]
+    fn an_edge_that_is_found_twice_is_one() {
+        let beside = |away_px: f64| Neighbours {
+            left_q16: ((100.0 - away_px) * 65536.0) as i32,
+            right_q16: ((100.0 + away_px) * 65536.0) as i32,
+        };
+        for (off_px, is_other) in [(0.8, false), (1.2, true)] {
+            let nearer = beside(10.0 - off_px).where_nearer_than(beside(10.0));
+            assert_eq!(nearer.left_q16 != Neighbours::NONE.left_q16, is_other, "{off_px} px");
+            assert_eq!(nearer.right_q16 != Neighbours::NONE.right_q16, is_other, "{off_px} px");
+        }
+    }
 }

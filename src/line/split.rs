@@ -373,6 +373,39 @@ mod tests {
         assert!(of_pixels(broken(1..320, 160, 2.0)).cut().is_none());
     }
 
+    /// What is left of a broken line is straight but for a wander of a fifth of a pixel, and ends where it lies aside.
+    #[test]
+    fn straight_parts_wander_but_do_not_bend() {
+        let column_px = |row: u16| {
+            let wander_px = 0.2 * (f64::from(row) / 12.0).sin();
+            if row < 240 { 300.0 + wander_px } else { 301.5 }
+        };
+        let mut line: Line<16> = Line::new(point(0, column_px(0), 0.02));
+        let rows = (1..160).chain(240..400);
+        rows.for_each(|row| line.push(point(row, column_px(row), 0.02)).expect("rows in order"));
+        let line = of_pixels(line);
+        let cut = line.cut().expect("two parts");
+        let mut first = line.clone();
+        first.keep_before(&cut);
+        assert_eq!(first.last.row, 159);
+    }
+
+    /// Beside a turn of many pixels a part that a lens bends by one is as straight as any.
+    #[test]
+    fn straight_parts_of_lines_that_turn_far_may_be_bent() {
+        for (sagitta_px, is_whole) in [(1.0, true), (6.0, false)] {
+            let column_px = |row: u16| {
+                let part = f64::from(row.min(320)) / 320.0;
+                let bent_px = 4.0 * sagitta_px * part * (1.0 - part);
+                300.0 + bent_px + 0.25 * f64::from(row.saturating_sub(320))
+            };
+            let whole: Line<16> = line(column_px, 0.02);
+            let mut first = whole.clone();
+            first.keep_before(&whole.cut().expect("two parts"));
+            assert_eq!((288..=320).contains(&first.last.row), is_whole, "{sagitta_px} px: {}", first.last.row);
+        }
+    }
+
     /// Two of six knots always lie on a straight line.
     #[test]
     fn what_is_straight_nowhere_stays_whole() {

@@ -12,7 +12,7 @@ pub(super) const CHANCE_SCATTER_Q32: u64 = 1 << 30;
 /// limit above is doubled, for fewer it is more (`false_distances::of_texture`, `false_distances::of_clutter`).
 pub(super) const TAIL_ROWS: u64 = 40;
 
-/// A halo exceeds so many sigmas of what noise makes of it (`false_distances::of_clutter` with less,
+/// Half sigmas. A halo exceeds so many of what noise makes of it (`false_distances::of_clutter` with less,
 /// `real_cameras::sharpened_frames_said_to_be_linear` with more).
 pub(super) const HALO_SIGMAS_Q1: u64 = 3;
 
@@ -148,7 +148,7 @@ pub(super) const LEAST_KINK_Q16: u64 = 1 << 17;
 pub(super) const KINK_SIGMAS: u64 = 6;
 
 /// Likewise of a line of which fewer rows show it than this share: where they miss, another edge may go on
-/// (`line::split::tests::broken_lines_turn_sooner`).
+/// (`line::split::tests::broken_lines_turn_sooner` with half of either).
 pub(super) const LEAST_BROKEN_KINK_Q16: u64 = 1 << 15;
 pub(super) const UNBROKEN_SHARE: (u32, u32) = (7, 8);
 
@@ -158,7 +158,9 @@ pub(super) const UNBROKEN_SHARE: (u32, u32) = (7, 8);
 pub(super) const MOST_GAP: (u32, u32) = (3, 2);
 
 /// What is straight stays within this of one line, in 1/65536 px, or within one of so many parts of what the whole
-/// departs: more than real edges wander, and less than what would bend a part.
+/// departs: more than real edges wander, and less than what would bend a part
+/// (`line::split::tests::straight_parts_wander_but_do_not_bend` with twice as much,
+/// `line::split::tests::straight_parts_of_lines_that_turn_far_may_be_bent` with more parts).
 pub(super) const STRAIGHT_Q16: u64 = 1 << 14;
 pub(super) const STRAIGHT_PARTS: u64 = 12;
 

@@ -165,3 +165,49 @@ fn sort_by_column<S: Scalar>(landmarks: &mut [Landmark<S>]) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::extent::Extent;
+    use super::super::landmark::Evidence;
+    use super::{Landmark, LandmarkTable, LineObservation};
+    use crate::edge::EdgePoint;
+    use crate::line::Line;
+    use crate::motion::{Motion, Twist};
+    use crate::range::{Line3, LineState};
+    use crate::setup::Setup;
+
+    fn landmark() -> Landmark<f64> {
+        let setup = Setup::pinhole(640, 480, 600.0, 33_300_000).unwrap();
+        let motion = Twist::level([1.0, 0.0, 0.0]).unwrap();
+        let mut line = Line::<8>::new(EdgePoint::new(0, 300 << 16, 0));
+        for row in [100, 200] {
+            line.push(EdgePoint::new(row, 300 << 16, 69_375 * i64::from(row))).unwrap();
+        }
+        let axes = Line3::start(motion.gravity());
+        let observation = LineObservation::new(&setup, &motion, &axes, &line).unwrap();
+        let state = LineState { line3: axes, ..LineState::NOTHING };
+        let extent = Extent::between(&axes, &observation.rows).unwrap();
+        Landmark::new(1, &observation, Evidence::Enough, state, extent)
+    }
+
+    /// However many landmarks there are elsewhere: the work grows with the lines, not with lines times landmarks.
+    #[test]
+    fn lines_are_compared_with_what_is_near() {
+        const APART_PX: f64 = 10.0;
+        const REACH_PX: f64 = 32.0;
+        for count in [64, 256] {
+            let mut table = LandmarkTable::<f64, 256>::new();
+            for place in 0..count {
+                let column_px = APART_PX * f64::from(place);
+                table.insert(Landmark { column_px, reach_px: REACH_PX, ..landmark() }).unwrap();
+            }
+            (table.known, table.reach_px) = (count, REACH_PX);
+            let at = |place: u32| APART_PX * f64::from(place);
+            let compared = (0..count).map(|place| table.around([at(place) - 1.0, at(place) + 1.0]).count());
+            let most = compared.max().unwrap();
+            // Three on either side.
+            assert_eq!(most, 7, "{count} landmarks");
+        }
+    }
+}
