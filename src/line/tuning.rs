@@ -14,7 +14,7 @@ pub(super) const TAIL_ROWS: u64 = 40;
 
 /// Half sigmas. A halo exceeds so many of what noise makes of it (`false_distances::of_clutter` with less,
 /// `real_cameras::sharpened_frames_said_to_be_linear` with more).
-pub(super) const HALO_SIGMAS_Q1: u64 = 3;
+pub(super) const HALO_SIGMAS_Q1: u64 = 4;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).
