@@ -236,7 +236,7 @@ mod tests {
             prominence.is_by_chance(1, rows, rows, scatter)
         };
         for (contrast, rows, straight_px, scattered_px) in
-            [(40, 60, 0.1, 0.2), (30, 100, 0.2, 0.3), (48, 100, 0.4, 0.5)]
+            [(40, 60, 0.2, 0.3), (32, 100, 0.2, 0.3), (48, 100, 0.5, 0.7)]
         {
             assert!(!is_by_chance(contrast, rows, px_q32(straight_px)), "{rows} rows");
             assert!(is_by_chance(contrast, rows, px_q32(scattered_px)), "{rows} rows");
