@@ -7,7 +7,7 @@ use super::unknowns::Unknowns;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
 use crate::scalar::{Scalar, hypot, ln, over};
-use crate::setup::Setup;
+use crate::setup::{MotionBlur, Setup};
 
 /// What the blur of an edge tells, for a fit and for what is told of it.
 ///
@@ -35,7 +35,7 @@ pub(super) trait Blur<S: Scalar> {
 ///
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
-pub(crate) struct BlurMeasurement<S: Scalar> {
+pub(crate) struct BlurMeasurement<'a, S: Scalar> {
     /// In two places of the line, what its ray at the start of the exposure differs by from that at the end.
     sweeps: [Normals<S>; 2],
     /// Mean variance of the blurred edge.
@@ -46,8 +46,7 @@ pub(crate) struct BlurMeasurement<S: Scalar> {
     sigma_narrow_ln: S,
     /// One sigma of what sharpening has taken from the variance.
     sigma_sharpened_px2: S,
-    lens_px: S,
-    sigma_lens_px: S,
+    stated: &'a MotionBlur<S>,
 }
 
 /// Where the two places are, from either end of the line: the mean square of a path that changes linearly along it is
@@ -78,12 +77,12 @@ const SHARPENED_PX: i32 = 24;
 const MOST_SIGMAS_NARROWER: i32 = 3;
 const MOST_SIGMAS_WIDER: i32 = 4;
 
-impl<S: Scalar> BlurMeasurement<S> {
+impl<'a, S: Scalar> BlurMeasurement<'a, S> {
     /// From the widths of a line's points; `None` where the exposure is not known or too few widths were measured.
     // Not inlined, as other parts of a range: what each of them needs then leaves the stack before the next one comes.
     #[inline(never)]
     pub(super) fn of_line<M: Motion<S>, const KNOTS: usize>(
-        setup: &Setup<S>,
+        setup: &'a Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
     ) -> Option<Self> {
@@ -115,14 +114,14 @@ impl<S: Scalar> BlurMeasurement<S> {
             sigma_ln: twice_sigma(sigma_blur),
             sigma_narrow_ln: twice_sigma(sigma_narrow),
             sigma_sharpened_px2: S::from_ratio(i64::from(overshoot) * i64::from(SHARPENED_PX), 1 << 16),
-            lens_px: blur.lens_blur_px,
-            sigma_lens_px: blur.sigma_lens_blur_px,
+            stated: blur,
         })
     }
 
     /// Mean variance of an edge that moves by a path during the exposure.
     fn expected_px2(&self, path: &Path<S>) -> S {
-        self.lens_px * self.lens_px + (S::ONE + path.mean_square_px2()) * S::ratio(1, 12)
+        let lens_px = self.stated.lens_blur_px;
+        lens_px * lens_px + (S::ONE + path.mean_square_px2()) * S::ratio(1, 12)
     }
 
     /// Logarithm of the measured variance over that of a path.
@@ -132,7 +131,8 @@ impl<S: Scalar> BlurMeasurement<S> {
 
     /// Change of the logarithm of the expected variance with the lens's blur.
     fn per_lens_px(&self, path: &Path<S>) -> S {
-        (self.lens_px + self.lens_px) / self.expected_px2(path)
+        let lens_px = self.stated.lens_blur_px;
+        (lens_px + lens_px) / self.expected_px2(path)
     }
 
     /// One sigma of the logarithm, with those of the lens's own blur and of sharpening.
@@ -141,7 +141,7 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 
     fn joint(&self, sigma_ln: S, path: &Path<S>) -> S {
-        let of_lens = self.per_lens_px(path) * self.sigma_lens_px;
+        let of_lens = self.per_lens_px(path) * self.stated.sigma_lens_blur_px;
         let of_sharpening = self.sigma_sharpened_px2 / self.expected_px2(path);
         (sigma_ln * sigma_ln).plus_product(of_lens, of_lens).plus_product(of_sharpening, of_sharpening).sqrt()
     }
@@ -170,7 +170,8 @@ impl<S: Scalar> BlurMeasurement<S> {
     fn of_lens(&self, path: &Path<S>, sigma_per_m: S) -> Option<LensBlurMeasurement<S>> {
         let path_px = path.px.abs();
         let sigma_of_path_px2 = path_px * S::ratio(1, 6) * (path.per_inverse_depth * sigma_per_m).min(path_px);
-        let variance_px2 = self.lens_px * self.lens_px + self.measured_px2 - self.expected_px2(path);
+        let lens_px = self.stated.lens_blur_px;
+        let variance_px2 = lens_px * lens_px + self.measured_px2 - self.expected_px2(path);
         let sigma_px2 = hypot(self.measured_px2 * self.sigma_ln, hypot(self.sigma_sharpened_px2, sigma_of_path_px2));
         (variance_px2.is_finite() && sigma_px2.is_finite()).then_some(LensBlurMeasurement { variance_px2, sigma_px2 })
     }
@@ -184,7 +185,7 @@ impl<S: Scalar> BlurMeasurement<S> {
     }
 }
 
-impl<S: Scalar> Blur<S> for BlurMeasurement<S> {
+impl<S: Scalar> Blur<S> for BlurMeasurement<'_, S> {
     fn either_path(&self, unknowns: &Unknowns<S>, information: S) -> Option<[PathChoice<S>; 2]> {
         let path = self.path(unknowns)?;
         let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();
