@@ -88,6 +88,10 @@ fn a_sequence_refuses_a_way_to_the_next_frame_that_cannot_be_by_its_name() {
         assert_eq!(parameter(pose, nonsense, down), "elapsed_s");
         assert_eq!(parameter(position, 0.1, down), "position_m");
         assert_eq!(parameter(rotation, 0.1, down), "rotation");
+        let velocity = Pose { velocity_m_s: [nonsense, 0.0, 0.0], ..pose };
+        assert_eq!(parameter(velocity, 0.1, down), "velocity_m_s");
+        let rate = Pose { rate_rad_s: [0.0, 0.0, nonsense], ..pose };
+        assert_eq!(parameter(rate, 0.1, down), "rate_rad_s");
         assert_eq!(parameter(pose, 0.1, [0.0, nonsense, 0.0]), "gravity");
     }
 }

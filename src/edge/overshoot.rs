@@ -62,10 +62,14 @@ impl EdgeModel {
         let of_width_q6 = ((contrast_q6 >> 2) * wider_q8 * FOOT_PER_WIDTH_Q8) >> 14;
         // Where an object ends it is another level that is off, by far more.
         let most_q6 = contrast_q6.abs() / MOST_PARTS;
+        // What is light here is told in the grey levels in which all else beside an edge is.
+        let is_grey = row.response.is_identity();
+        let grey_q6 = if is_grey { contrast_q6.abs() } else { i32::from(row.step_at(point.boundary())?).abs() << 4 };
+        let in_grey = |q6: i32| if is_grey { q6 } else { (q6 * grey_q6).checked_div(contrast_q6.abs()).unwrap_or(0) };
         let beyond = |foot_q6: i32| {
             let away_q6 = if contrast_q6 < 0 { -foot_q6 - of_width_q6 } else { foot_q6 + of_width_q6 };
             // No `clamp`: that would panic where its bounds were out of order.
-            (away_q6.max(-most_q6).min(most_q6) >> 4) as i16
+            (in_grey(away_q6.max(-most_q6).min(most_q6)) >> 4) as i16
         };
         Some([left, right].map(beyond))
     }
@@ -160,5 +164,24 @@ mod tests {
         let model = EdgeModel::settled(row_of(&first), &at, Neighbours::NONE, 100).unwrap();
         let [left, right] = model.overshoot(row_of(&end), &at).unwrap();
         assert!((-56..=56).contains(&left) && (-56..-50).contains(&right), "{left}, {right}");
+    }
+
+    /// As much of the contrast in grey levels as in light, however the levels follow it.
+    #[test]
+    fn a_curve_is_no_halo_of_its_own() {
+        let share = |response: &Response| {
+            let mut pixels = [20; 64];
+            pixels[32..].fill(60);
+            (pixels[31], pixels[32]) = (25, 55);
+            let mut sharpened = pixels;
+            (sharpened[30], sharpened[33]) = (18, 62);
+            let [plain, sharpened] = [&pixels, &sharpened].map(|pixels| PixelRow { pixels: &pixels[..], response });
+            let at = EdgePoint { width_q8: 160, ..EdgePoint::new(0, 63 << 15, 0) }.with_polarity(Polarity::Rising);
+            let model = EdgeModel::settled(plain, &at, Neighbours::NONE, 100).unwrap();
+            let [plain, sharpened] = [plain, sharpened].map(|row| model.overshoot(row, &at).unwrap());
+            i32::from(sharpened[0] + sharpened[1] - plain[0] - plain[1])
+        };
+        let (linear, curved) = (share(&Response::Linear), share(&Response::Srgb));
+        assert!(linear > 10 && (2 * linear / 3..=3 * linear / 2).contains(&curved), "{linear}, {curved}");
     }
 }

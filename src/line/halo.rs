@@ -16,8 +16,13 @@ impl Halo {
     }
 
     pub(super) fn add(&mut self, other: &Self) {
-        self.left = self.left.saturating_add(other.left);
-        self.right = self.right.saturating_add(other.right);
+        let sums = [self.left, self.right].into_iter().zip([other.left, other.right]);
+        // The mean of so many rows is known well enough without more of them.
+        if sums.into_iter().any(|(sum, more)| sum.checked_add(more).is_none()) {
+            return;
+        }
+        self.left += other.left;
+        self.right += other.right;
         self.rows = self.rows.saturating_add(other.rows);
     }
 
@@ -49,5 +54,10 @@ mod tests {
         assert_eq!(mean(&[[8, -8], [-20, 20]]), 0);
         assert_eq!(mean(&[[-8, -20]]), 0);
         assert_eq!(mean(&[]), 0);
+    }
+
+    #[test]
+    fn it_stays_the_mean_of_ever_so_many_rows() {
+        assert_eq!(mean(&[[64, 64]; 4000]), 64 << 16);
     }
 }

@@ -43,7 +43,7 @@ impl Prominence {
         // the scatter is to that of texture. As a square of sigmas, twice its logarithm.
         let straight_rows = rows.saturating_sub(2 * alike) as i64;
         let twice_ln_q8 = |scatter_q32| ((log2_q8(CHANCE_SCATTER_Q32) - log2_q8(scatter_q32)) * LN_2_Q8) >> 8;
-        let straight = ((sigma_q8 * sigma_q8) as i64 * straight_rows * scatter_q32.map_or(0, twice_ln_q8)) >> 8;
+        let straight = (((sigma_q8 * sigma_q8) as i64 * straight_rows) >> 8) * scatter_q32.map_or(0, twice_ln_q8);
         4 * ((left_q8 * left_q8 * rows) as i64 + straight) < (times * times * most_square) as i64
     }
 
@@ -60,7 +60,7 @@ impl Prominence {
         sigma_q8.max(1 << 8)
     }
 
-    /// How far both levels overshoot beside the edge, as a share of its contrast times a pixel, in 1/65536; zero where
+    /// How far the levels overshoot beside the edge in the mean, as a share of its contrast times a pixel, in 1/65536; zero where
     /// noise or texture overshoot as far.
     pub(super) fn overshoot_q16(&self) -> u32 {
         let contrast_q2 = u32::try_from(self.along).ok().and_then(|along| along.checked_div(self.rows.into()));
@@ -90,11 +90,11 @@ impl Prominence {
         LIKE_PARTS * mine.min(theirs) >= (LIKE_PARTS - 1) * mine.max(theirs)
     }
 
-    /// Adds what another part of the same line shows.
     pub(super) const fn is_unseen(&self) -> bool {
         self.rows == 0
     }
 
+    /// Adds what another part of the same line shows.
     pub(super) fn add(&mut self, other: &Self) {
         self.along = self.along.saturating_add(other.along);
         self.rows = self.rows.saturating_add(other.rows);

@@ -24,11 +24,12 @@ pub(super) const ROWS_ALIKE: u32 = 2;
 /// (`false_distances::of_texture`).
 pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = 8;
 
-/// Where the texture around a line is looked at, in pixels beyond its blur: within a few gates, on either side.
+/// Where the texture around a line is looked at in its first row, in pixels beyond its blur: within a few gates, on
+/// either side.
 pub(super) const AROUND_PX: [i32; 8] = [-8, 12, -16, 20, -24, 28, -32, 36];
 
-/// The line and one of so many of these places are looked at in every so many rows, so that each is seen again after 16
-/// rows: texture has changed by then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences
+/// Later the line and one of the first so many of these places, in turn, are looked at in every so many rows, so that
+/// each place is seen again after 16 rows: texture has changed by then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences
 /// with more). Rows between these are alike in texture (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_PLACES: usize = 4;
 pub(super) const LOOK_ROWS: u16 = 4;

@@ -25,8 +25,10 @@ pub(crate) fn check_next_frame<S: Scalar>(pose: &Pose<S>, elapsed_s: S) -> Resul
     if !(elapsed_s.abs() <= S::from_i32(MAX_ELAPSED_S)) {
         return Err(ParameterError::new("elapsed_s", elapsed_s.to_f64(), "finite, at most 1000000 (s)"));
     }
+    checked_velocity(pose.velocity_m_s)?;
+    checked_rate(pose.rate_rad_s)?;
     check("position_m", pose.position_m, MAX_WAY_M, "finite, at most 1000000 (m)")?;
-    pose.rotation.into_iter().try_for_each(|row| check("rotation", row, 2, "rows of a rotation matrix: at most 1"))
+    pose.rotation.into_iter().try_for_each(|row| check("rotation", row, 2, "finite, a row of a rotation matrix"))
 }
 
 /// The direction as a unit vector.

@@ -50,7 +50,7 @@ impl<S: Scalar> Pose<S> {
 /// implement the trait for anything else. At time zero the position must be zero and the rotation the identity.
 pub trait Motion<S> {
     /// Whether the camera may turn within a frame. `false` where no motion of the type does: a program then does not
-    /// hold what turns rays. `true` is always right.
+    /// hold what turns rays, and takes the rotation of each pose for the identity. `true` is always right.
     const MAY_TURN: bool = true;
 
     /// Pose `time_s` seconds after frame start. Called once for each knot of a line, whose

@@ -22,7 +22,7 @@ pub struct Translation<S> {
 }
 
 impl<S: Scalar> Translation<S> {
-    /// From the camera's velocity (m/s) and the direction of gravity, both in the camera's axes, as
+    /// From the camera's velocity (m/s) and the direction of gravity, both in the camera's axes at frame start, as
     /// [`Twist::new`](crate::Twist::new) has them.
     ///
     /// *Errors*: a component that is not finite or beyond 10000 m/s; a gravity without direction.

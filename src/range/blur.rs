@@ -67,7 +67,7 @@ const LN_SOFTER: (i32, i32) = (405_465, 1_000_000);
 const UNSHARPENED: (i32, i32) = (1, 8);
 
 /// Sharpening that lets the levels overshoot by one contrast times a pixel takes at most so many square pixels from the
-/// variance: 7 to 18 for unsharp masks of 3 to 5 pixels, a half to one and a half strong, on edges of 0.8 to 2.5 px
+/// variance: 14 to 29 for unsharp masks of 3 to 5 pixels (docs/model.md, 5.4), the most where it matters least
 /// (`real_cameras::sharpened_frames_said_to_be_linear` with a third).
 const SHARPENED_PX: i32 = 24;
 

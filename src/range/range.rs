@@ -63,7 +63,11 @@ impl<S: Scalar> Range<S> {
     /// The range of a line from the places of its points alone, whatever is known of the exposure: that of
     /// [`from_line`](Self::from_line) where nothing is.
     ///
-    /// A program that ranges no line otherwise does not hold what measures blur: 4 kB on a Cortex-M0.
+    /// A blur that contradicts the slope is no objection here: edges that lean are `Ok` or `Far` as without an exposure.
+    /// A program that ranges no line otherwise, but takes them by [`Ranger::next_line`](crate::Ranger::next_line), does
+    /// not hold what measures blur: 4 kB on a Cortex-M0.
+    ///
+    /// *Cost*: as [`from_line`](Self::from_line) without an exposure.
     #[must_use]
     pub fn without_blur<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
         Self::fitted(setup, motion, line, Prior::new(None, SampleSet::default()), None, None)

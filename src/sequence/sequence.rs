@@ -152,7 +152,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// in between, and gravity in the camera's axes there, of any length. What is then beside or behind the camera is
     /// forgotten. Call it between any two frames, also after a torn one.
     ///
-    /// *Errors*: a time or a pose that is not finite, or a gravity without direction; nothing has changed then.
+    /// *Errors*: a time that is not finite or beyond 10⁶ s, a pose that is not finite or beyond 10⁶ m, 10 000 m/s or
+    /// 1000 rad/s, or a gravity without direction; nothing has changed then.
     ///
     /// *Cost*: some 500 operations for each landmark.
     pub fn advance(
