@@ -130,7 +130,8 @@ pub(super) const RENEWAL_ROWS_LOG2: u32 = 4;
 pub(super) const ONE_STEP_PARTS_LOG2: u32 = 3;
 
 /// So is one that is off by as many sigma of the row's noise: another step would follow the noise
-/// (`cargo xtask budget --use "noise 12"`, and `clutter::crossing_bars_lead_no_line_astray` where texture counts as noise).
+/// (`cargo xtask budget --use "noise 12"`, and `clutter::crossing_bars_lead_no_line_astray` where texture counts as
+/// noise).
 pub(super) const ONE_STEP_SIGMAS: u32 = 2;
 
 /// A row whose residual variance is so many times that of the rows before shows something else

@@ -7,8 +7,8 @@ use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
 use crate::setup::Response;
 
-/// Whether lines that have a model look at a row: where widths count most, what may have changed them is seen in every
-/// row.
+/// Whether lines look at a row that shows them as before: where widths count most, what may have changed them is seen in
+/// every row.
 pub(crate) fn looks(row: u16, response: &Response) -> bool {
     looks_around(row) || response.is_linear()
 }

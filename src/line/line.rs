@@ -197,8 +197,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.is_beside_texture.then(|| sum_q32.checked_div(self.points.into()).unwrap_or(0))
     }
 
-    /// How far the levels overshoot beside the flank in the mean, as a share of the contrast times a pixel, in 1/65536; zero for a
-    /// line of points that were handed over.
+    /// How far the levels overshoot beside the flank in the mean, as a share of the contrast times a pixel, in 1/65536;
+    /// zero for a line of points that were handed over.
     pub(crate) fn overshoot_q16(&self) -> u32 {
         self.prominence.overshoot_q16()
     }

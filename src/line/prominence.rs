@@ -26,8 +26,8 @@ pub(super) struct Prominence {
 
 impl Prominence {
     /// Whether parallel lines in the texture around would show as much contrast, divided by `times`, once in many
-    /// frames, and lead as straight, for a line with `points` in `rows`; beside texture with the variance of their scatter in
-    /// 1/2³² px².
+    /// frames, and lead as straight, for a line with `points` in `rows`; beside texture with the variance of their
+    /// scatter in 1/2³² px².
     pub(super) fn is_by_chance(&self, times: u64, points: u16, rows: u16, scatter_q32: Option<u64>) -> bool {
         let (points, rows) = (u64::from(points), u64::from(rows));
         let mean_q8 = (u64::from(self.along.max(0) as u32) << 8).checked_div(self.rows.into()).unwrap_or(0);
@@ -60,8 +60,8 @@ impl Prominence {
         sigma_q8.max(1 << 8)
     }
 
-    /// How far the levels overshoot beside the edge in the mean, as a share of its contrast times a pixel, in 1/65536; zero where
-    /// noise or texture overshoot as far.
+    /// How far the levels overshoot beside the edge in the mean, as a share of its contrast times a pixel, in 1/65536;
+    /// zero where noise or texture overshoot as far.
     pub(super) fn overshoot_q16(&self) -> u32 {
         let contrast_q2 = u32::try_from(self.along).ok().and_then(|along| along.checked_div(self.rows.into()));
         // Two pixels on either side have a third of the deviation of eight in their mean.

@@ -261,7 +261,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, *at, *row, *around, limits))
     }
 
-    /// Likewise, in code of its own.
+    /// [`Self::take_next`] in code of its own: few rows come here.
     #[inline(never)]
     fn take_next_apart(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
         self.take_next(found, predicted_q16, at, limits);
