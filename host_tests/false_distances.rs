@@ -10,7 +10,7 @@ use crate::drawn::{Frame, large_ranger, ranges, rendered, through};
 use crate::projection;
 use crate::scenes::{TENTH_DEGREE, tilt_of};
 
-const FRAMES: u64 = 40;
+const FRAMES: u64 = 200;
 
 const EXPOSURE: Exposure = Exposure { time_s: 0.002, psf_sigma_px: 0.7, read_noise: 2.5, shot_gain: 0.03 };
 
@@ -119,7 +119,8 @@ fn assert_hardly_any(name: &str, draw: Draw) {
     println!(
         "{name:<10} false distances a frame: {linear:.2} with linear pixels stated, {unknown:.2} with a camera unknown"
     );
-    assert!(linear <= 0.1 && unknown <= 0.5, "{name}: {linear}, {unknown}");
+    // One in ten frames may have one. By chance alone 0.04 of so many frames differs by 0.014 (one standard deviation).
+    assert!(linear <= 0.06 && unknown <= 0.06, "{name}: {linear}, {unknown}");
 }
 
 #[test]

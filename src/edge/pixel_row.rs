@@ -82,23 +82,31 @@ impl<P: Pixels> PixelRow<'_, P> {
         levels_q8.map(|level_q8| u32::from(self.response.light_q8(level_q8))).sum()
     }
 
-    /// Grey levels of the four pixels on the right of a boundary less those on its left: boundary k lies between pixels
-    /// k − 1 and k. `None` at the border.
-    pub(crate) fn step_at(&self, boundary: i32) -> Option<i16> {
+    /// Grey levels of the four pixels on the right of a boundary less those on its left, and likewise of the two that are
+    /// nearest: boundary k lies between pixels k − 1 and k. `None` at the border.
+    pub(crate) fn steps_at(&self, boundary: i32) -> Option<[i16; 2]> {
         const SIDE: usize = 4;
         let from = usize::try_from(boundary).ok()?.checked_sub(SIDE)?;
         if let Some(grey) = self.pixels.grey() {
             let [a, b, c, d, e, f, g, h] = grey.get(from..)?.first_chunk::<{ 2 * SIDE }>()?.map(i16::from);
-            return Some(e + f + g + h - (a + b + c + d));
+            let near = e + f - (c + d);
+            return Some([near + g + h - (a + b), near]);
         }
         let pixels = from..from + 2 * SIDE;
         if pixels.end > self.pixels.columns() {
             return None;
         }
-        let sum = |sum: i32, level_q8: u16| sum + i32::from(level_q8);
-        let left_q8 = self.pixels.levels_q8(from..from + SIDE).fold(0, sum);
-        let right_q8 = self.pixels.levels_q8(from + SIDE..pixels.end).fold(0, sum);
-        Some(((right_q8 - left_q8) >> 8) as i16)
+        let step = |side: usize| {
+            let middle = from + SIDE;
+            let sum = |pixels| self.pixels.levels_q8(pixels).fold(0, |sum, level_q8| sum + i32::from(level_q8));
+            ((sum(middle..middle + side) - sum(middle - side..middle)) >> 8) as i16
+        };
+        Some([step(SIDE), step(SIDE / 2)])
+    }
+
+    /// That of the four pixels on either side alone.
+    pub(crate) fn step_at(&self, boundary: i32) -> Option<i16> {
+        self.steps_at(boundary).map(|[step, _]| step)
     }
 
     /// Which of its own levels the model of an edge has for this row: the two kinds of rows of a mosaic differ.

@@ -2,8 +2,8 @@
 
 use super::halo::Halo;
 use super::tuning::{
-    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, HALO_SIGMAS_Q1, LEAST_CHANGES, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS,
-    ROWS_ALIKE_IN_TEXTURE, TAIL_ROWS,
+    AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, GAUSSIAN_VARIANCE_Q16, HALO_SIGMAS_Q1, LEAST_CHANGES,
+    LEAST_VARIANCE_Q16, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, SHARE_SIGMAS_Q4, TAIL_ROWS,
 };
 use crate::edge::{EdgePoint, PixelRow, Polarity};
 use crate::format::Pixels;
@@ -14,6 +14,8 @@ use crate::format::Pixels;
 pub(super) struct Prominence {
     /// Sum of the rows' steps at the line, positive along its polarity, in grey levels times four pixels.
     along: i32,
+    /// The same of the two pixels that are nearest, on either side: in grey levels times two pixels.
+    near: i32,
     rows: u16,
     /// Upper quartile of the sizes of the steps beside the line in its first row: other upright edges are few among
     /// them.
@@ -60,6 +62,21 @@ impl Prominence {
         sigma_q8.max(1 << 8)
     }
 
+    /// The most that the variance of the edge's blur can be, in 1/65536 square pixel, given the share of its step that lies
+    /// within two pixels of it: texture on either side adds to both steps alike. `None` where that may be a half, as along
+    /// any long slope.
+    pub(super) fn most_variance_q16(&self) -> Option<u32> {
+        let along = u64::try_from(self.along).ok()?;
+        let share_q12 = (u64::try_from(self.near).ok()? << 13).checked_div(along)?;
+        // A look has this deviation, and every second one errs alike, as a share of the mean step.
+        let sigma_q8 = (self.sigma_q8() * u64::from(self.rows)).checked_div(along)?;
+        let sigma_q12 = (sigma_q8 * SHARE_SIGMAS_Q4).checked_div(u64::from(self.rows).isqrt())?;
+        let least_q12 = share_q12.saturating_sub(sigma_q12).min(1 << 12);
+        let beyond_half_q12 = least_q12.checked_sub(1 << 11)?;
+        let variance_q16 = (((1 << 12) - least_q12) * GAUSSIAN_VARIANCE_Q16).checked_div(beyond_half_q12)?;
+        Some(variance_q16.max(LEAST_VARIANCE_Q16) as u32)
+    }
+
     /// How far the levels overshoot beside the edge in the mean, as a share of its contrast times a pixel, in 1/65536;
     /// zero where noise or texture overshoot as far.
     pub(super) fn overshoot_q16(&self) -> u32 {
@@ -97,6 +114,7 @@ impl Prominence {
     /// Adds what another part of the same line shows.
     pub(super) fn add(&mut self, other: &Self) {
         self.along = self.along.saturating_add(other.along);
+        self.near = self.near.saturating_add(other.near);
         self.rows = self.rows.saturating_add(other.rows);
         self.changes = self.changes.saturating_add(other.changes);
         self.changes_sum = self.changes_sum.saturating_add(other.changes_sum);
@@ -135,7 +153,7 @@ impl Around {
             return;
         }
         let boundary = point.boundary();
-        let Some(step) = row.step_at(boundary) else { return };
+        let Some([step, near]) = row.steps_at(boundary) else { return };
         let reach = i32::from(point.width_q8) >> 7;
         let beside = |off: i32| row.step_at(boundary + off + off.signum() * reach);
         if prominence.rows == 0 {
@@ -151,7 +169,9 @@ impl Around {
             *before = step;
         }
         let is_falling = point.polarity == Polarity::Falling;
-        prominence.along = prominence.along.saturating_add(i32::from(if is_falling { -step } else { step }));
+        let rising = |step: i16| i32::from(if is_falling { -step } else { step });
+        prominence.along = prominence.along.saturating_add(rising(step));
+        prominence.near = prominence.near.saturating_add(rising(near));
         prominence.rows = prominence.rows.saturating_add(1);
     }
 }
@@ -244,6 +264,35 @@ mod tests {
         // What scatters more than texture needs more contrast.
         assert!(!is_by_chance(56, 100, px_q32(0.5)) && is_by_chance(56, 100, px_q32(1.0)));
         assert!(is_by_chance(30, 16, px_q32(0.001)), "two places lie on every line");
+    }
+
+    /// What the step at the middle column tells of its blur, over many rows: each moves it by a part of a pixel.
+    fn most_blur_px(blur_px: f64, row: impl Fn(u16) -> [u8; COLUMNS]) -> Option<f64> {
+        let prominence = after(240, |index| {
+            let middle = COLUMN as f64 + f64::from(index * 7 % 16) / 16.0 - 0.5;
+            let below = row(index);
+            core::array::from_fn(|column| {
+                let off_px = column as f64 + 0.5 - middle;
+                let step = 0.5 * (1.0 + libm::erf(off_px / blur_px / core::f64::consts::SQRT_2));
+                below.get(column).copied().unwrap_or(0) + (80.0 * step) as u8
+            })
+        });
+        prominence.most_variance_q16().map(|variance_q16| (f64::from(variance_q16) / 65536.0).sqrt())
+    }
+
+    /// An edge is told to be no wider than it is and some: never less, and beside texture not much more. Nothing is told
+    /// of a long slope.
+    #[test]
+    fn the_blur_is_no_longer_than_that() {
+        for blur_px in [0.5, 0.8, 1.0, 1.3, 1.6, 2.0] {
+            let plain = most_blur_px(blur_px, |_| [60; COLUMNS]).unwrap_or(f64::NAN);
+            let beside_texture = most_blur_px(blur_px, |row| texture(row, 12, 60)).unwrap_or(f64::NAN);
+            assert!((1.0..1.2).contains(&(plain / blur_px.max(1.0))), "{blur_px}: {plain}");
+            assert!((1.0..1.7).contains(&(beside_texture / blur_px.max(1.0))), "{blur_px}: {beside_texture}");
+        }
+        let of_slope = |row: u16| core::array::from_fn(|column| 2 * column as u8 / 2 + (row % 2) as u8);
+        assert!(most_blur_px(20.0, of_slope).is_none_or(|most_px| most_px > 4.0));
+        assert_eq!(Prominence::default().most_variance_q16(), None);
     }
 
     #[test]

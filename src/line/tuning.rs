@@ -16,6 +16,20 @@ pub(super) const TAIL_ROWS: u64 = 40;
 /// `real_cameras::sharpened_frames_said_to_be_linear` with more).
 pub(super) const HALO_SIGMAS_Q1: u64 = 4;
 
+/// How far the share of a step that lies within two pixels of an edge may be off in a look, in deviations of a step, in
+/// 1/16: three sigma of texture, which moves the share by a third of what it adds to the step, and is alike in two looks
+/// (`false_distances::of_clutter` with twice as much).
+pub(super) const SHARE_SIGMAS_Q4: u64 = 20;
+
+/// A Gaussian's variance, in 1/65536 square pixel, times what of that share is beyond a half, over what is below one: to
+/// 3 % from 0.8 to 2.5 px. A box of the same variance leaves less of the step near
+/// (`line::prominence::tests::the_blur_is_no_longer_than_that`).
+pub(super) const GAUSSIAN_VARIANCE_Q16: u64 = 72_090;
+
+/// Least variance of a blur that is told from it, in 1/65536 square pixel: sharpening, too, makes steps steep
+/// (`real_cameras::sharpened_3x3` with a quarter of it).
+pub(super) const LEAST_VARIANCE_Q16: u64 = 1 << 16;
+
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).
 pub(super) const ROWS_ALIKE: u32 = 2;

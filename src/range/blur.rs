@@ -44,8 +44,14 @@ pub(crate) struct BlurMeasurement<'a, S: Scalar> {
     sigma_ln: S,
     /// The same of an edge that is narrower than expected.
     sigma_narrow_ln: S,
+    /// Likewise, but for noise: of what an image pipeline does to it.
+    sigma_narrowed_ln: S,
     /// One sigma of what sharpening has taken from the variance.
     sigma_sharpened_px2: S,
+    /// The variance is no more than that.
+    most_px2: Option<S>,
+    /// Whether widths were measured.
+    is_measured: bool,
     stated: &'a MotionBlur<S>,
 }
 
@@ -78,7 +84,8 @@ const MOST_SIGMAS_NARROWER: i32 = 3;
 const MOST_SIGMAS_WIDER: i32 = 4;
 
 impl<'a, S: Scalar> BlurMeasurement<'a, S> {
-    /// From the widths of a line's points; `None` where the exposure is not known or too few widths were measured.
+    /// From the widths of a line's points, and where texture or neighbours make them unsure, from how sharp its pixels are
+    /// at least; `None` where the exposure is not known or neither tells anything.
     // Not inlined, as other parts of a range: what each of them needs then leaves the stack before the next one comes.
     #[inline(never)]
     pub(super) fn of_line<M: Motion<S>, const KNOTS: usize>(
@@ -86,21 +93,20 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         motion: &M,
         line: &Line<KNOTS>,
     ) -> Option<Self> {
-        let (blur, width_px) = (setup.motion_blur()?, line.mean_width_px::<S>()?);
+        let (blur, mean_px) = (setup.motion_blur()?, line.mean_width_px::<S>());
+        let most_px2 = line.most_variance_q16().map(|q16| S::from_ratio(q16.into(), 1 << 16));
+        let width_px = mean_px.or_else(|| most_px2.map(S::sqrt))?;
         let axes = Line3::start(motion.gravity());
         let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
         // No row's width is off by more than half of it, and at most nine rows in a row err alike.
         let most_px = width_px * S::ratio(3, 2) / S::from_i32(i32::from(line.points())).sqrt();
         let width_sigma_px = line.mean_width_sigma_px::<S>();
-        let sigma_px = width_sigma_px.min(most_px);
+        let sigma_px = if mean_px.is_some() { width_sigma_px.min(most_px) } else { S::ZERO };
         let half = blur.exposure_s * S::ratio(1, 2);
         let mut sweep = |part: S| observer.sweep(&line.point_between(part), half);
         let place = S::ratio(PLACE.0, PLACE.1);
         // A variance is a square: its logarithm has twice the relative error of the width.
-        let twice_sigma = |of_blur: S| {
-            let relative_sigma = hypot(sigma_px / width_px, of_blur);
-            relative_sigma + relative_sigma
-        };
+        let twice = |relative_sigma: S| relative_sigma + relative_sigma;
         let sigma_blur = setup.sigma_blur();
         let unsharpened = S::ratio(UNSHARPENED.0, UNSHARPENED.1);
         // What is stated holds as it is.
@@ -110,9 +116,15 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let overshoot = if is_stated { 0 } else { line.overshoot_q16() };
         Some(Self {
             sweeps: [sweep(place)?, sweep(S::ONE - place)?],
-            measured_px2: line.mean_square_width_px2(width_px, width_sigma_px),
-            sigma_ln: twice_sigma(sigma_blur),
-            sigma_narrow_ln: twice_sigma(sigma_narrow),
+            measured_px2: match mean_px {
+                Some(mean_px) => line.mean_square_width_px2(mean_px, width_sigma_px),
+                None => width_px * width_px,
+            },
+            most_px2,
+            is_measured: mean_px.is_some(),
+            sigma_ln: twice(hypot(sigma_px / width_px, sigma_blur)),
+            sigma_narrow_ln: twice(hypot(sigma_px / width_px, sigma_narrow)),
+            sigma_narrowed_ln: twice(sigma_narrow),
             sigma_sharpened_px2: S::from_ratio(i64::from(overshoot) * i64::from(SHARPENED_PX), 1 << 16),
             stated: blur,
         })
@@ -126,7 +138,11 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
 
     /// Logarithm of the measured variance over that of a path.
     fn excess_ln(&self, path: &Path<S>) -> S {
-        ln(self.measured_px2 / self.expected_px2(path))
+        self.excess_of(self.measured_px2, path)
+    }
+
+    fn excess_of(&self, variance_px2: S, path: &Path<S>) -> S {
+        ln(variance_px2 / self.expected_px2(path))
     }
 
     /// Change of the logarithm of the expected variance with the lens's blur.
@@ -162,8 +178,12 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
         let most = |sigmas, sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(sigmas);
         let softer = S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(MOST_SIGMAS_WIDER, self.sigma_ln, &longer);
-        self.excess_ln(&shorter) >= -most(MOST_SIGMAS_NARROWER, self.sigma_narrow_ln, &shorter)
-            && self.excess_ln(&longer) <= softer
+        let is_as_wide = |variance_px2: S, sigma_ln: S| {
+            self.excess_of(variance_px2, &shorter) >= -most(MOST_SIGMAS_NARROWER, sigma_ln, &shorter)
+        };
+        self.most_px2.is_none_or(|most_px2| is_as_wide(most_px2, self.sigma_narrowed_ln))
+            && is_as_wide(self.measured_px2, self.sigma_narrow_ln)
+            && (!self.is_measured || self.excess_ln(&longer) <= softer)
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.
@@ -220,7 +240,7 @@ impl<S: Scalar> Blur<S> for BlurMeasurement<'_, S> {
         // Where the edge leaves the row within the exposure, there is no upright edge.
         let Some(path) = self.path(found) else { return (false, None) };
         // An edge whose depth comes from its blur tells nothing of the lens, unless it hardly moves.
-        let tells = !entered || path.mean_square_px2() < S::ONE;
+        let tells = self.is_measured && (!entered || path.mean_square_px2() < S::ONE);
         let lens = if tells { self.of_lens(&path, sigma_per_m) } else { None };
         (self.is_consistent(&path, sigma_per_m), lens)
     }

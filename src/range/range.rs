@@ -10,7 +10,7 @@ use super::observation::Observer;
 use super::prior::{Prior, SampleSet};
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
-use super::tuning::{MOST_SHORT_MISFIT, ROUGHNESS_ROWS, SHORT_LENGTHS};
+use super::tuning::{MISFIT_PER_LENGTH, ROUGHNESS_ROWS, USUAL_MISFIT};
 use super::unknowns::Unknowns;
 use crate::edge::{EdgePoint, Polarity};
 use crate::error::FitError;
@@ -123,8 +123,9 @@ impl<S: Scalar> Range<S> {
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
         let is_in_question = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && prior.state.is_none();
-        let blur_enters = is_in_question && setup.widths_are_known();
-        let width_px = line.mean_width_px().unwrap_or(S::ONE);
+        let width_px = line.mean_width_px();
+        let blur_enters = is_in_question && setup.widths_are_known() && width_px.is_some();
+        let width_px = width_px.unwrap_or(S::ONE);
         let prior = Prior { blur: blur.filter(|_| blur_enters), width_px, ..prior };
         let kept = known.as_deref_mut().map(|known| known.insert(LineState::NOTHING));
         let mut estimate = Estimate::nothing();
@@ -227,12 +228,13 @@ impl<S: Scalar> Range<S> {
             .unless(Objection::Clutter, is_single && self.is_by_chance(line));
     }
 
-    /// Whether it does not stand out of what is around; or is so short, and scatters so much, that a wander of its edge
+    /// Whether it does not stand out of what is around; or is so short for how much it scatters that a wander of its edge
     /// and pieces of several edges look alike.
     fn is_by_chance<const N: usize>(&self, line: &Line<N>) -> bool {
-        let rows = i32::from(self.last_row.abs_diff(self.first_row)) + 1;
-        let scatters = self.estimate.misfit > S::ratio(MOST_SHORT_MISFIT.0, MOST_SHORT_MISFIT.1);
-        !line.stands_out(1) || line.is_of_pixels() && rows < SHORT_LENGTHS * ROUGHNESS_ROWS && scatters
+        let lengths = S::ratio(i32::from(self.last_row.abs_diff(self.first_row)) + 1, ROUGHNESS_ROWS);
+        let most = (S::ratio(MISFIT_PER_LENGTH.0, MISFIT_PER_LENGTH.1) * lengths)
+            .max(S::ratio(USUAL_MISFIT.0, USUAL_MISFIT.1));
+        !line.stands_out(1) || line.is_of_pixels() && self.estimate.misfit > most
     }
 
     /// Takes from the blur what it tells of the lens, and refuses an edge whose blur contradicts its slope.

@@ -85,10 +85,10 @@ pub(super) const REWEIGHTING_ROUNDS: usize = 12;
 /// of its deviation.
 pub(super) const REWEIGHTED_PART: i32 = 20;
 
-/// A line of fewer than so many lengths of roughness may not scatter by more than this many of its sigmas: there are no
-/// rows to tell a wander from pieces of several edges (`cargo test false_distances::of_leaning_bars`).
-pub(super) const SHORT_LENGTHS: i32 = 2;
-pub(super) const MOST_SHORT_MISFIT: (i32, i32) = (3, 2);
+/// A line of pixels may scatter by so many of its sigmas for each length of roughness, and by as many as this in any case:
+/// the fewer there are, the less tells a wander from pieces of several edges (`cargo test false_distances`).
+pub(super) const MISFIT_PER_LENGTH: (i32, i32) = (3, 4);
+pub(super) const USUAL_MISFIT: (i32, i32) = (3, 2);
 
 /// Where the curve of a line tells less than two fifths of its depth, the prior of the tilt tells it from its twin (`cargo
 /// test the_right_one_of_several_minima` with more, `cargo test coverage` with less).
