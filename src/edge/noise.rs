@@ -110,8 +110,8 @@ pub(super) struct Down {
     /// How often rows were compared, up to [`SETTLED_LOOKS`], and rows since the last time began.
     looks: u8,
     turn: u8,
-    /// The last three pixels of each column, the last one first.
-    pixels: [[u8; 3]; DOWN_COLUMNS],
+    /// The pixels of the first three rows of a look.
+    pixels: [[u8; DOWN_COLUMNS]; 3],
     /// A sum of four pixels from each column on.
     sums: [u16; DOWN_COLUMNS],
 }
@@ -128,7 +128,7 @@ impl Down {
             change_q8: UNKNOWN,
             looks: 0,
             turn: 0,
-            pixels: [[0; 3]; DOWN_COLUMNS],
+            pixels: [[0; DOWN_COLUMNS]; 3],
             sums: [0; DOWN_COLUMNS],
         }
     }
@@ -155,54 +155,70 @@ impl Down {
             return;
         }
         let turn = self.turn;
-        if turn <= 3 {
-            self.compare_pixels(pixels, turn == 3);
+        match self.pixels.get_mut(usize::from(turn)) {
+            Some(row) => columns(pixels.columns()).zip(row).for_each(|(column, pixel)| *pixel = level(pixels, column)),
+            None if turn == 3 => self.compare_pixels(pixels),
+            None => {}
         }
-        if turn == 0 || turn == TEXTURE_LAG {
-            self.compare_sums(pixels, turn == TEXTURE_LAG);
-            self.looks = (self.looks + u8::from(turn == TEXTURE_LAG)).min(SETTLED_LOOKS);
+        if turn == 0 {
+            columns(pixels.columns())
+                .zip(&mut self.sums)
+                .for_each(|(column, sum)| *sum = sum_of(around(pixels, column)));
+        }
+        if turn == TEXTURE_LAG {
+            self.compare_sums(pixels);
+            self.looks = (self.looks + 1).min(SETTLED_LOOKS);
         }
         let rows = if self.looks < SETTLED_LOOKS { TEXTURE_LAG + 1 } else { DOWN_ROWS };
         self.turn = if turn + 1 < rows { turn + 1 } else { 0 };
     }
 
     #[inline(never)] // all of it then fits into the registers
-    fn compare_pixels(&mut self, pixels: &impl Pixels, is_last: bool) {
-        let mut thirds = [0; DOWN_COLUMNS];
-        for ((column, third), before) in columns(pixels.columns()).zip(&mut thirds).zip(&mut self.pixels) {
-            let level = (pixels.level_q8(column).saturating_add(128) >> 8) as u8;
-            let [last, second, first] = *before;
-            let [a, b, c, d] = [level, last, second, first].map(i32::from);
-            *third = (a - d + 3 * (c - b)).unsigned_abs();
-            *before = [level, last, second];
-        }
-        if is_last {
-            settle(&mut self.third_q8, self.looks, &thirds);
-        }
+    fn compare_pixels(&mut self, pixels: &impl Pixels) {
+        let [first, second, third] = self.pixels;
+        let mut before = first.into_iter().zip(second).zip(third);
+        let mut differences = columns(pixels.columns()).zip(&mut before).map(|(column, ((first, second), third))| {
+            let [a, b, c, d] = [first, second, third, level(pixels, column)].map(i32::from);
+            (d - a + 3 * (b - c)).unsigned_abs()
+        });
+        let thirds = core::array::from_fn(|_| differences.next().unwrap_or(0));
+        settle(&mut self.third_q8, self.looks, &thirds);
     }
 
     /// An edge that moves changes a sum by as much as one that is so far to the side: what one motion of the whole row
     /// explains is no texture.
     #[inline(never)] // likewise
-    fn compare_sums(&mut self, pixels: &impl Pixels, is_last: bool) {
+    fn compare_sums(&mut self, pixels: &impl Pixels) {
         let mut changes = [(0, 0); DOWN_COLUMNS];
-        for ((column, change), before) in columns(pixels.columns()).zip(&mut changes).zip(&mut self.sums) {
-            let mut buffer = [0; WINDOW + 2];
-            let around = grey(pixels, column - 1..column + WINDOW + 1, &mut buffer).first_chunk();
-            let [left, a, b, c, d, right] = around.copied().unwrap_or([0; WINDOW + 2]).map(i32::from);
-            let sum = a + b + c + d;
-            *change = (sum - i32::from(*before), (right + d - a - left) / 2);
-            *before = sum as u16;
+        for ((column, change), before) in columns(pixels.columns()).zip(&mut changes).zip(self.sums) {
+            let around = around(pixels, column);
+            let [left, a, _, _, d, right] = around.map(i32::from);
+            *change = (i32::from(sum_of(around)) - i32::from(before), (right + d - a - left) / 2);
         }
-        if is_last {
-            let (shared, own) = changes
-                .iter()
-                .fold((0, 0), |(shared, own), (down, aside)| (shared + down * aside, own + aside * aside));
-            let motion_q8 = (shared << 4).checked_div((own >> 4).max(1)).unwrap_or(0).clamp(-1024, 1024);
-            let rest = |(down, aside): (i32, i32)| (down - ((motion_q8 * aside) >> 8)).unsigned_abs();
-            settle(&mut self.change_q8, self.looks, &changes.map(rest));
-        }
+        let (shared, own) =
+            changes.iter().fold((0, 0), |(shared, own), (down, aside)| (shared + down * aside, own + aside * aside));
+        let motion_q8 = (shared << 4).checked_div((own >> 4).max(1)).unwrap_or(0).clamp(-1024, 1024);
+        let rest = |(down, aside): (i32, i32)| (down - ((motion_q8 * aside) >> 8)).unsigned_abs();
+        settle(&mut self.change_q8, self.looks, &changes.map(rest));
     }
+}
+
+/// The grey level at a column.
+#[inline(always)]
+fn level(pixels: &impl Pixels, column: usize) -> u8 {
+    grey(pixels, column..column + 1, &mut [0]).first().copied().unwrap_or(0)
+}
+
+/// Four pixels from a column on, and one on either side of them.
+#[inline(always)]
+fn around(pixels: &impl Pixels, column: usize) -> [u8; WINDOW + 2] {
+    let mut buffer = [0; WINDOW + 2];
+    grey(pixels, column - 1..column + WINDOW + 1, &mut buffer).first_chunk().copied().unwrap_or_default()
+}
+
+/// Of those four.
+const fn sum_of([_, a, b, c, d, _]: [u8; WINDOW + 2]) -> u16 {
+    a as u16 + b as u16 + c as u16 + d as u16
 }
 
 /// Where rows are compared: at irregular distances, so that no fence has a post at each of them; some pixels off the
