@@ -5,7 +5,9 @@ use heapless::Vec;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
-use crate::line::{Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks, looks_beside};
+use crate::line::{
+    Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks, looks_beside, looks_for_halo,
+};
 use crate::motion::Motion;
 use crate::range::Range;
 use crate::scalar::Scalar;
@@ -167,7 +169,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             self.scanner.begin_frame();
         }
         self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
-        let at = RowTime { row, time_ns: setup.readout().row_time_ns(row) };
+        let looks_for_halo = looks_for_halo(row, setup.response());
+        let at = RowTime { row, time_ns: setup.readout().row_time_ns(row), looks_for_halo };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
         let pixel_row = PixelRow { pixels, response: setup.response() };
@@ -195,7 +198,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
-        if jump.is_none() && (!is_as_before || looks(row, setup.response())) {
+        if jump.is_none() && (!is_as_before || looks(row)) {
             tracker.look_at(row, pixel_row, noise_q8, points);
         }
         points.clear();

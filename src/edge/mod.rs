@@ -10,6 +10,7 @@ mod fine_scan;
 mod scan;
 mod spread_function;
 mod weight;
+mod feet;
 mod factor;
 mod norms;
 mod products;

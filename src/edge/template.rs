@@ -5,6 +5,7 @@
 //! so that neither phases nor classes need to be fine.
 
 use super::factor::{Factor, shifted};
+use super::feet::Feet;
 use super::norms::{Norms, Squares};
 use super::products::Expected;
 use super::spread_function::{Place, SpreadFunction};
@@ -50,6 +51,7 @@ pub(super) struct Sampled {
 pub(super) struct Phase {
     pub(super) weights: &'static [Weight],
     pub(super) norms: Norms,
+    pub(super) feet: Feet,
     /// How far it is from the middle of the pixel, in 1/256 px.
     off_q8: i16,
     /// Its place among the phases of all classes.
@@ -197,7 +199,7 @@ static WEIGHTS: [Weight; WEIGHT_COUNT] = ALL_WEIGHTS;
 
 const WEIGHT_COUNT: usize = (WIDEST.first + WIDEST.weights()) as usize;
 
-const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE, off_q8: 0, place: 0 };
+const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE, feet: Feet::NONE, off_q8: 0, place: 0 };
 const NO_QUICK_PHASE: QuickPhase = QuickPhase { expected: Expected::NONE, per_width: Factor::ONE };
 
 static PHASES: [Phase; PHASE_COUNT] = {
@@ -214,8 +216,9 @@ static PHASES: [Phase; PHASE_COUNT] = {
                 pixel += 1;
             }
             let norms = sums.norms([template.plateau() as u32; 2]);
+            let feet = Feet::of(weights);
             let (off_q8, place) = (template.phase_off_q8(phase) as i16, template.first_phase + phase as u8);
-            phases[place as usize] = Phase { weights, norms, off_q8, place };
+            phases[place as usize] = Phase { weights, norms, feet, off_q8, place };
             rest = others;
             phase += 1;
         }

@@ -7,15 +7,14 @@ use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
 use crate::setup::Response;
 
-/// Whether lines look at a row that shows them as before: where widths count most, what may have changed them is seen in
-/// every row.
-pub(crate) fn looks(row: u16, response: &Response) -> bool {
-    looks_around(row) || response.is_linear()
+/// Whether lines look at what is around them in a row that shows them as before.
+pub(crate) const fn looks(row: u16) -> bool {
+    row.is_multiple_of(LOOK_ROWS)
 }
 
-/// Whether they look at what is around them.
-const fn looks_around(row: u16) -> bool {
-    row.is_multiple_of(LOOK_ROWS)
+/// Whether they look for halos: where widths count most, what may have changed them is seen in every row.
+pub(crate) fn looks_for_halo(row: u16, response: &Response) -> bool {
+    looks(row) || response.is_linear()
 }
 
 /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one a
@@ -27,8 +26,7 @@ pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
     noise_q8: u32,
     points: &[EdgePoint],
 ) {
-    let (is_due, mut has_to_learn) = (looks_around(row), false);
-    let is_due_for_halo = looks(row, pixels.response);
+    let (is_due, mut has_to_learn) = (looks(row), false);
     for index in 0..table.under_way().len() {
         let Some(place) = table.under_way().get(index).copied() else { return };
         let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
@@ -36,9 +34,6 @@ pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
             has_to_learn |= track.model.is_none();
             if is_due && !track.is_unseen() {
                 track.look_around(pixels);
-            }
-            if is_due_for_halo {
-                track.look_for_halo(pixels);
             }
         }
     }

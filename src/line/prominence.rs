@@ -89,8 +89,9 @@ impl Prominence {
     }
 
     /// Takes what a row shows beside the flank.
-    pub(super) fn add_overshoot(&mut self, beyond: [i16; 2]) {
-        self.halo.add_row(beyond);
+    #[inline(always)]
+    pub(super) fn add_overshoot(&mut self, overshoot: i16) {
+        self.halo.add_row(overshoot);
     }
 
     /// Mean contrast in grey levels; zero where none was looked at.

@@ -232,6 +232,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let around = self.line.untracked.among(*around, column_q16);
         let Some(model) = &mut self.model else { return false };
         let Some(found) = model.locate_usual(row, column_q16, gate_q16, &around) else { return false };
+        self.look_for_halo(row, &found, at);
         self.take_next(&found, column_q16, at, limits);
         true
     }
@@ -255,6 +256,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             && let Some(found) =
                 model.locate_near(row, column_q16, gate_q16, &self.line.untracked.among(*around, column_q16))
         {
+            self.look_for_halo(row, &found, at);
             self.take_next_apart(&found, column_q16, at, limits);
             return Some(true);
         }
@@ -278,6 +280,16 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.filter.follow_next(column_q16, predicted_q16, self.memory());
         if self.has_gate_to_renew() {
             self.renew_gate_in_time(limits);
+        }
+    }
+
+    /// Looks how far the levels overshoot beside the edge where its model has found it.
+    #[inline(always)]
+    fn look_for_halo<P: Pixels>(&mut self, row: &PixelRow<'_, P>, found: &LocatedPoint, at: &RowTime) {
+        if at.looks_for_halo
+            && let Some(overshoot) = self.model.as_ref().and_then(|model| model.overshoot(row, found))
+        {
+            self.line.prominence.add_overshoot(overshoot);
         }
     }
 
@@ -306,6 +318,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             self.line.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
         }
+        self.look_for_halo(&row, &found, &at);
         self.take_located(&found, prediction.column_q16, &at, limits)
     }
 
@@ -339,13 +352,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Looks at what is around its last point.
     pub(super) fn look_around<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
         self.around.look(&mut self.line.prominence, row, &self.line.last);
-    }
-
-    /// Looks whether the levels overshoot beside its last point, if it has a model.
-    pub(super) fn look_for_halo<P: Pixels>(&mut self, row: PixelRow<'_, P>) {
-        if let Some(beyond) = self.model.as_ref().and_then(|model| model.overshoot(row, &self.line.last)) {
-            self.line.prominence.add_overshoot(beyond);
-        }
     }
 
     /// Gives it a model of its edge, if there is one, and such edges beside it.
@@ -411,4 +417,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
 pub(crate) struct RowTime {
     pub(crate) row: u16,
     pub(crate) time_ns: i64,
+    /// Whether lines look how far their levels overshoot there.
+    pub(crate) looks_for_halo: bool,
 }
