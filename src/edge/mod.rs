@@ -2,8 +2,10 @@
 
 mod tuning;
 mod point;
+mod pixel_count;
 mod pixel_row;
 mod noise;
+mod root;
 mod scanned_point;
 mod coarse_scan;
 mod fine_scan;

@@ -5,6 +5,7 @@ use core::num::NonZeroU16;
 use super::factor::Factor;
 use super::pixel_row::PixelRow;
 use super::point::{EdgePoint, Polarity};
+use super::root::root;
 use super::template::{Template, class_of};
 use super::tuning::{
     FEW_TEXTURED_ROWS, LEARN_ROWS_LOG2, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, MANY_TEXTURED_ROWS,
@@ -78,7 +79,7 @@ impl EdgeModel {
         let mut model = Self {
             levels_q16: [[0; 2]; 2],
             noise_q16,
-            noise_q8: noise_q16.isqrt() as u16,
+            noise_q8: root(noise_q16) as u16,
             blur_q12,
             level_scatter_q8: [0; 2],
             per_contrast: Factor::ONE,
@@ -238,7 +239,7 @@ impl EdgeModel {
         self.class = class_of(self.blur_q12, before);
         if self.class != before || rows.is_multiple_of(1 << RENEWAL_ROWS_LOG2) || rows < 1 << RENEWAL_ROWS_LOG2 {
             self.renew_contrast();
-            self.noise_q8 = self.noise_q16.isqrt() as u16;
+            self.noise_q8 = root(self.noise_q16) as u16;
         }
         let is_other = is_textured || self.is_surely_beside_texture() || self.is_clipped(0);
         self.is_usual = kind == 0 && !is_other;

@@ -2,6 +2,7 @@
 
 use core::ops::Range;
 
+use super::pixel_count::{self, per_pixels_q20};
 use crate::format::{MosaicRow, Pixels};
 use crate::setup::Response;
 
@@ -175,10 +176,10 @@ pub(super) fn sum(pixels: &[u8]) -> u32 {
     (pairs & 0xFFFF) + (pairs >> 16) + rest
 }
 
-/// Mean of some bytes in 1/256 grey level, to the nearest.
+/// Mean of the bytes of a plateau in 1/256 grey level, to the nearest.
 #[inline(never)] // it takes 200 bytes of flash
 pub(super) fn mean_q8(bytes: &[u8]) -> Option<i32> {
-    mean(sum(bytes) << 8, bytes.len() as u32)
+    (!bytes.is_empty()).then(|| pixel_count::mean_q8(sum(bytes), per_pixels_q20(bytes.len())))
 }
 
 /// Sums of the four pixels of a word two by two, one in each half.

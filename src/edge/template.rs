@@ -7,6 +7,7 @@
 use super::factor::{Factor, shifted};
 use super::feet::Feet;
 use super::norms::{Norms, Squares};
+use super::pixel_count::{mean_q8, per_pixels_q20};
 use super::products::Expected;
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
@@ -131,7 +132,7 @@ impl Template {
 
     /// Mean of the pixels of a plateau, in 1/256 level, to the nearest, from the sum of its grey levels.
     pub(super) const fn mean_q8(&self, sum: u32) -> i32 {
-        ((sum * self.per_plateau_q20 + (1 << 11)) >> 12) as i32
+        mean_q8(sum, self.per_plateau_q20)
     }
 }
 
@@ -310,7 +311,7 @@ impl Template {
             first_phase,
         };
         let plateau = template.plateau() as u32;
-        template.per_plateau_q20 = ((1 << 20) + plateau / 2) / plateau;
+        template.per_plateau_q20 = per_pixels_q20(template.plateau() as usize);
         // The window, rounded to whole pixels, and the reach of a neighbour's blur.
         template.far_q8 = (template.pixels as u16 / 2 + plateau as u16 + 1) * 256 + reach_q8;
         let largest = template.largest_widening(&function);
@@ -365,6 +366,14 @@ impl Template {
 #[cfg(test)]
 mod tests {
     use super::{CLASSES, PHASES, Template};
+
+    #[test]
+    fn plateaus_are_counted() {
+        for template in (0..CLASSES as u8).map(Template::of) {
+            let pixels = template.plateau();
+            assert_eq!(template.mean_q8(200 * pixels as u32), 200 << 8, "{pixels} pixels");
+        }
+    }
 
     /// Factors of a row that is as usual: their products are within the range of [`Factor::product`] for every blur and
     /// contrast, and good to a part in 2¹².

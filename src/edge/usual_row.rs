@@ -116,13 +116,12 @@ impl EdgeModel {
         }
         let contrast = Contrast { is_falling: left_q8 > right_q8, reciprocal: self.per_contrast };
         let (products, phase) = (sums.products(window.phase, own_q8), window.phase);
-        let Norms { sigma_q8, per_freedom_q16, .. } = phase.norms;
         let (column_q16, width_q12) = self.moved(phase, window.centre_q8, &products, &contrast);
-        let sigma_q16 = sigma_q16(sigma_q8, self.noise_q8, self.per_contrast);
+        let sigma_q16 = sigma_q16(phase.norms.sigma_q8, self.noise_q8, self.per_contrast);
         Some(UsualStep {
             flank: window.flank(),
             phase,
-            per_freedom_q16,
+            cut_off: None,
             own_q8,
             off_q8,
             of_flank: [false; 2],
@@ -150,10 +149,10 @@ impl EdgeModel {
         let (off_q8, contrast) = self.against_means(0, own_q8)?;
         let products = Sums::of_flank(flank, phase.weights).products(phase, own_q8);
         let (column_q16, width_q12) = self.moved(phase, centre_q8, &products, &contrast);
-        let pixels = [left.len() as u32, right.len() as u32];
-        let per_freedom_q16 = per_freedom_q16(flank.len() as u32, pixels);
-        let sigma_q16 = sigma_q16(phase.norms.sigma_beside_q8(pixels, of_flank), self.noise_q8, contrast.reciprocal);
-        Some(UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 })
+        let plateaus = [left.len() as u32, right.len() as u32];
+        let sigma_q16 = sigma_q16(phase.norms.sigma_beside_q8(plateaus, of_flank), self.noise_q8, contrast.reciprocal);
+        let cut_off = Some(plateaus);
+        Some(UsualStep { flank, phase, cut_off, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 })
     }
 
     /// Column and width, from the inner products at a phase.
@@ -170,9 +169,10 @@ impl EdgeModel {
     /// Measures what remains of a row, and learns from it if it is time; `None` where too much remains.
     #[inline(never)]
     fn measure_usual(&mut self, step: UsualStep<'_>) -> Option<()> {
-        let UsualStep { flank, phase, per_freedom_q16, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 } =
-            step;
+        let UsualStep { flank, phase, cut_off, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 } = step;
         let Norms { per_slope, per_widening, .. } = phase.norms;
+        let of_part = |plateaus| per_freedom_q16(phase.weights.len() as u32, plateaus);
+        let per_freedom_q16 = cut_off.map_or(phase.norms.per_freedom_q16, of_part);
         let moments = Moments::of_bytes(flank, phase.weights, own_q8);
         let residual_q16 = moments.residual_q16(per_slope, Some(per_widening), per_freedom_q16);
         if residual_q16 > self.most_residual_q16() {
@@ -190,7 +190,8 @@ struct UsualStep<'p> {
     /// Pixels of the flank, and perhaps more behind it.
     flank: &'p [u8],
     phase: &'static Phase,
-    per_freedom_q16: u16,
+    /// Pixels of the plateaus, where neighbours cut these off.
+    cut_off: Option<[u32; 2]>,
     /// The row's own levels, and what they are off the mean ones.
     own_q8: [i32; 2],
     off_q8: [i32; 2],
