@@ -3,7 +3,8 @@
 use core::ops::Range;
 
 use super::noise::WINDOW;
-use super::pixel_row::grey;
+use super::pixel_row::{grey, pairs};
+use super::root::root;
 use super::scanned_point::ScannedPoint;
 use super::tuning::ABRUPT;
 use crate::format::Pixels;
@@ -93,13 +94,13 @@ impl Run {
         let variance_q16 = ratio_q16(self.second, self.area).saturating_sub(square_q16 as u32);
         // Not below the blur of a pixel alone.
         let blur_q16 = variance_q16.saturating_sub(OWN_VARIANCE_Q1 << 15).max(1 << 13);
-        let root_q4 = (self.length << 8).isqrt();
+        let root_q4 = root(self.length << 8);
         let sigma_q16 = ((noise_q8 << 4).saturating_mul(root_q4)).checked_div(contrast.max(1)).unwrap_or(u32::MAX);
         let least_q16 = if self.is_abrupt(pixels, off_q16) { PIXEL_SIGMA_Q16 } else { 1 };
         Some(ScannedPoint {
             column_q16: i32::try_from(column_q16).ok()?,
             sigma_q16: sigma_q16.max(least_q16),
-            width_q8: u16::try_from(blur_q16.isqrt()).ok()?,
+            width_q8: u16::try_from(root(blur_q16)).ok()?,
             contrast: i16::try_from(contrast as i32 * self.sign).ok()?,
         })
     }
@@ -178,9 +179,7 @@ pub(super) fn fine(
 fn before_run(pixels: &impl Pixels, position: usize, earliest: usize, least: i32) -> usize {
     let sign_at = |position: usize| {
         let mut buffer = [0; 2 * WINDOW];
-        let around = grey(pixels, position - WINDOW..position + WINDOW, &mut buffer);
-        let (left, right) = around.split_at(WINDOW.min(around.len()));
-        let difference = sum(right) - sum(left);
+        let difference = difference(grey(pixels, position - WINDOW..position + WINDOW, &mut buffer));
         if difference.abs() > least { difference.signum() } else { 0 }
     };
     let sign = sign_at(position);
@@ -192,19 +191,28 @@ fn before_run(pixels: &impl Pixels, position: usize, earliest: usize, least: i32
 }
 
 /// Hands over the first `count` sliding differences, of which there is one at least.
+#[inline(always)]
 fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
-    let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
-    let mut difference = sum(right.get(..WINDOW).unwrap_or(right)) - sum(left);
-    take(0, difference);
-    // The window moves by one: what leaves on the left, changes sides, and enters on the right.
-    for (index, moved) in (1..count).zip(pixels.windows(2 * WINDOW + 1)) {
-        if let [leaves, _, _, _, changes, _, _, _, enters] = *moved {
-            difference += i32::from(enters) - 2 * i32::from(changes) + i32::from(leaves);
-            take(index, difference);
+    let from = |pixel: usize| pixels.get(pixel..).unwrap_or_default();
+    let mut moved = pixels.iter().zip(from(WINDOW)).zip(from(2 * WINDOW));
+    let (mut difference, mut index) = (difference(pixels), 0);
+    loop {
+        take(index, difference);
+        index += 1;
+        // The window moves by one: what leaves on the left, changes sides, and enters on the right.
+        match moved.next() {
+            Some(((leaves, changes), enters)) if index < count => {
+                difference += i32::from(*enters) - 2 * i32::from(*changes) + i32::from(*leaves);
+            }
+            _ => return,
         }
     }
 }
 
-fn sum(pixels: &[u8]) -> i32 {
-    pixels.iter().map(|pixel| i32::from(*pixel)).sum()
+/// Of the sums of the first four pixels and the next four.
+fn difference(pixels: &[u8]) -> i32 {
+    let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
+    // The lower halves take a carry from the upper ones, and lose it again.
+    let difference = pairs(right).wrapping_sub(pairs(left));
+    i32::from(difference as i16) + ((difference.wrapping_add(0x8000) as i32) >> 16)
 }
