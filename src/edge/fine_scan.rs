@@ -3,7 +3,7 @@
 use core::ops::Range;
 
 use super::noise::WINDOW;
-use super::pixel_row::{grey, pairs};
+use super::pixel_row::{difference, grey};
 use super::root::root;
 use super::scanned_point::ScannedPoint;
 use super::tuning::ABRUPT;
@@ -207,12 +207,4 @@ fn slide(pixels: &[u8], count: usize, mut take: impl FnMut(usize, i32)) {
             _ => return,
         }
     }
-}
-
-/// Of the sums of the first four pixels and the next four.
-fn difference(pixels: &[u8]) -> i32 {
-    let (left, right) = pixels.split_at(WINDOW.min(pixels.len()));
-    // The lower halves take a carry from the upper ones, and lose it again.
-    let difference = pairs(right).wrapping_sub(pairs(left));
-    i32::from(difference as i16) + ((difference.wrapping_add(0x8000) as i32) >> 16)
 }

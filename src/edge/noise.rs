@@ -4,7 +4,7 @@
 //! texture do as much as across: each is taken for what both agree on. All are medians, which the edges that do move
 //! hardly disturb.
 
-use super::pixel_row::grey;
+use super::pixel_row::{difference, grey};
 use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, MEMORY_LOOKS, SETTLED_LOOKS, TEXTURE_LAG};
 use crate::format::{MosaicRow, Pixels};
 
@@ -250,14 +250,17 @@ fn approach(median_q8: &mut u32, value: u32) {
 
 /// Median of what is normal among the values, in 1/256, from means that leave out ever more of the large ones.
 fn usual_size<I: Iterator<Item = u32>>(values: impl Fn() -> I) -> u32 {
-    let mean_up_to = |limit: u32| {
-        let (sum, count) = values().filter(|value| *value <= limit).fold((0, 0), |(s, n), value| (s + value, n + 1));
-        (sum << 8_u32).checked_div(count).unwrap_or(0)
-    };
     // Three times the mean keeps 98 % of what is normal, whose median is 0.85 of its mean.
-    let rough = mean_up_to(u32::MAX);
-    let finer = mean_up_to((rough * 2) >> 8);
-    mean_up_to((finer * 3) >> 8) * 7 / 8
+    let rough = mean_up_to(u32::MAX, values());
+    let finer = mean_up_to((rough * 2) >> 8, values());
+    mean_up_to((finer * 3) >> 8, values()) * 7 / 8
+}
+
+/// Mean of the values up to a limit, in 1/256.
+#[inline(never)] // it would be there three times
+fn mean_up_to(limit: u32, values: impl Iterator<Item = u32>) -> u32 {
+    let (sum, count) = values.filter(|value| *value <= limit).fold((0, 0), |(s, n), value| (s + value, n + 1));
+    (sum << 8_u32).checked_div(count).unwrap_or(0)
 }
 
 /// The pixels around the middle of a stretch, which the row has.
@@ -274,6 +277,5 @@ fn second_difference(pixels: [u8; 2 * WINDOW], is_mosaic: bool) -> u32 {
 }
 
 fn sliding_difference(pixels: [u8; 2 * WINDOW]) -> u32 {
-    let [a, b, c, d, e, f, g, h] = pixels.map(i32::from);
-    (e + f + g + h - (a + b + c + d)).unsigned_abs()
+    difference(&pixels).unsigned_abs()
 }

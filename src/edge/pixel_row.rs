@@ -197,6 +197,15 @@ pub(super) fn pairs(word: &[u8]) -> u32 {
     }
 }
 
+/// The sum of the second four pixels less that of the first four.
+#[inline(always)]
+pub(super) fn difference(pixels: &[u8]) -> i32 {
+    let (left, right) = pixels.split_at(pixels.len().min(4));
+    // The lower halves take a carry from the upper ones, and lose it again.
+    let difference = pairs(right).wrapping_sub(pairs(left));
+    i32::from(difference as i16) + ((difference.wrapping_add(0x8000) as i32) >> 16)
+}
+
 /// To the nearest.
 fn mean(sum: u32, count: u32) -> Option<i32> {
     i32::try_from((sum + count / 2).checked_div(count)?).ok()

@@ -174,6 +174,7 @@ impl<'p, P: Pixels> Window<'p, P> {
     }
 
     /// Given the levels to expect.
+    #[inline(never)] // three places ask for them
     pub(super) fn moments(&self, levels_q8: [i32; 2]) -> Moments {
         let mut moments = Moments::default();
         self.each(levels_q8, |residual_q6, weight| moments.add(residual_q6, weight));

@@ -113,6 +113,7 @@ impl Prominence {
     }
 
     /// Adds what another part of the same line shows.
+    #[inline(never)] // seldom
     pub(super) fn add(&mut self, other: &Self) {
         self.along = self.along.saturating_add(other.along);
         self.near = self.near.saturating_add(other.near);

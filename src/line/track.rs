@@ -256,7 +256,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             && let Some(found) =
                 model.locate_near(row, column_q16, gate_q16, &self.line.untracked.among(*around, column_q16))
         {
-            self.look_for_halo(row, &found, at);
+            self.look_for_halo_apart(row, &found, at);
             self.take_next_apart(&found, column_q16, at, limits);
             return Some(true);
         }
@@ -293,6 +293,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         }
     }
 
+    /// [`Self::look_for_halo`] in code of its own: few rows come here.
+    #[inline(never)]
+    fn look_for_halo_apart<P: Pixels>(&mut self, row: &PixelRow<'_, P>, found: &LocatedPoint, at: &RowTime) {
+        self.look_for_halo(row, found, at);
+    }
+
     #[inline(never)] // seldom
     fn renew_gate_in_time(&mut self, limits: &Limits) {
         self.renew_gate(self.memory(), limits);
@@ -318,7 +324,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             self.line.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
         }
-        self.look_for_halo(&row, &found, &at);
+        self.look_for_halo_apart(&row, &found, &at);
         self.take_located(&found, prediction.column_q16, &at, limits)
     }
 
