@@ -189,8 +189,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
         });
         tracker.remove_explained(row, points);
         tracker.count_points(points.len() as u32);
-        let noise_q8 = self.scanner.noise_q8();
-        let refine = |point: &EdgePoint, looks: bool| refined(points, point, looks.then_some((pixel_row, noise_q8)));
+        let scanner = &self.scanner;
+        let refine =
+            |point: &EdgePoint, looks: bool| refined(points, point, looks.then(|| (pixel_row, scanner.noise_q8())));
         let columns = setup.camera().intrinsics().columns;
         let is_as_before = is_steady && points.is_empty();
         let jump =
@@ -199,7 +200,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
             tracker.count_crowded_row();
         }
         if jump.is_none() && (!is_as_before || looks(row)) {
-            tracker.look_at(row, pixel_row, noise_q8, points);
+            tracker.look_at(row, pixel_row, scanner.noise_q8(), points);
         }
         points.clear();
         if let Some(row) = jump {
