@@ -96,6 +96,10 @@ pub(super) const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 /// (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
 pub(super) const MOST_DRAWN_Q16: u32 = 5 << 14;
 
+/// How far apart the scanner and a line may find one edge, in 1/65536 px
+/// (`edge::window::tests::an_edge_that_is_found_twice_is_one`).
+pub(super) const SAME_EDGE_Q16: u32 = 1 << 16;
+
 /// An edge that a row shows on its own must be so far from a neighbour, in 1/65536 px: nearer ones hide each other's
 /// levels (`frames::a_rod_three_pixels_wide_has_the_right_depth_and_shifted_sides`).
 pub(super) const LEAST_APART_Q16: u32 = 5 << 16;

@@ -6,6 +6,7 @@ use super::norms::{Norms, Squares};
 use super::pixel_row::{PixelRow, Stretch};
 use super::point::EdgePoint;
 use super::template::{Sampled, Template};
+use super::tuning::SAME_EDGE_Q16;
 use super::weight::Weight;
 use crate::format::Pixels;
 
@@ -209,9 +210,6 @@ impl<'p, P: Pixels> Window<'p, P> {
         });
     }
 }
-
-/// How far apart the scanner and a line may find one edge (`tests::an_edge_that_is_found_twice_is_one`).
-const SAME_EDGE_Q16: u32 = 1 << 16;
 
 /// Which pixels of a row are an edge's own.
 pub(super) struct Parts {
