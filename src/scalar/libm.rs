@@ -1,12 +1,13 @@
 //! `f32` and `f64` on `libm`: the same bits on every machine.
 
 use super::near::{near_itself, scalar_near_itself, sealed};
+use super::root::{root, root_of_single};
 use super::scalar::{Scalar, widened};
 
 /// The two types differ in nothing but their names; a back end's functions are called by full path, because the
 /// inherent methods that std adds on a desktop would win silently and give other bits.
 macro_rules! scalar_on_libm {
-    ($float:ident, $widened:path, $sqrt:ident, $sin:ident, $cos:ident, $tan:ident, $atan:ident) => {
+    ($float:ident, $widened:path, $sqrt:path, $sin:ident, $cos:ident, $tan:ident, $atan:ident) => {
         impl sealed::Sealed for $float {}
 
         near_itself!($float);
@@ -69,7 +70,7 @@ macro_rules! scalar_on_libm {
             }
 
             fn sqrt(self) -> Self {
-                if self <= 0.0 { 0.0 } else { ::libm::$sqrt(self) }
+                $sqrt(self)
             }
 
             fn sin(self) -> Self {
@@ -91,5 +92,5 @@ macro_rules! scalar_on_libm {
     };
 }
 
-scalar_on_libm!(f32, widened, sqrtf, sinf, cosf, tanf, atanf);
-scalar_on_libm!(f64, core::convert::identity, sqrt, sin, cos, tan, atan);
+scalar_on_libm!(f32, widened, root_of_single, sinf, cosf, tanf, atanf);
+scalar_on_libm!(f64, core::convert::identity, root, sin, cos, tan, atan);

@@ -32,6 +32,8 @@ mod fixed_kept;
 #[cfg(feature = "fixed")]
 mod fixed_scalar;
 #[cfg(feature = "libm")]
+mod root;
+#[cfg(feature = "libm")]
 mod libm;
 #[cfg(feature = "micromath")]
 mod micromath;
