@@ -46,8 +46,10 @@ pub(crate) struct BlurMeasurement<'a, S: Scalar> {
     sigma_narrow_ln: S,
     /// Likewise, but for noise: of what an image pipeline does to it.
     sigma_narrowed_ln: S,
-    /// One sigma of what sharpening has taken from the variance.
+    /// One sigma of what sharpening has taken from the variance, and its variance together with that of the lens's own
+    /// blur.
     sigma_sharpened_px2: S,
+    variance_px4: S,
     /// The variance is no more than that.
     most_px2: Option<S>,
     /// Whether widths were measured.
@@ -114,6 +116,8 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let is_as_wide = is_stated || !line.is_of_pixels();
         let sigma_narrow = if is_as_wide { sigma_blur } else { sigma_blur.min(unsharpened) };
         let overshoot = if is_stated { 0 } else { line.overshoot_q16() };
+        let sigma_sharpened_px2 = S::from_ratio(i64::from(overshoot) * i64::from(SHARPENED_PX), 1 << 16);
+        let sigma_lens_px2 = (blur.lens_blur_px + blur.lens_blur_px) * blur.sigma_lens_blur_px;
         Some(Self {
             sweeps: [sweep(place)?, sweep(S::ONE - place)?],
             measured_px2: match mean_px {
@@ -125,7 +129,8 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
             sigma_ln: twice(hypot(sigma_px / width_px, sigma_blur)),
             sigma_narrow_ln: twice(hypot(sigma_px / width_px, sigma_narrow)),
             sigma_narrowed_ln: twice(sigma_narrow),
-            sigma_sharpened_px2: S::from_ratio(i64::from(overshoot) * i64::from(SHARPENED_PX), 1 << 16),
+            sigma_sharpened_px2,
+            variance_px4: sigma_lens_px2 * sigma_lens_px2 + sigma_sharpened_px2 * sigma_sharpened_px2,
             stated: blur,
         })
     }
@@ -136,30 +141,27 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         lens_px * lens_px + (S::ONE + path.mean_square_px2()) * S::ratio(1, 12)
     }
 
-    /// Logarithm of the measured variance over that of a path.
-    fn excess_ln(&self, path: &Path<S>) -> S {
-        self.excess_of(self.measured_px2, path)
+    /// One over it.
+    fn per_px2(&self, path: &Path<S>) -> S {
+        over(self.expected_px2(path))
     }
 
-    fn excess_of(&self, variance_px2: S, path: &Path<S>) -> S {
-        ln(variance_px2 / self.expected_px2(path))
-    }
-
-    /// Change of the logarithm of the expected variance with the lens's blur.
-    fn per_lens_px(&self, path: &Path<S>) -> S {
-        let lens_px = self.stated.lens_blur_px;
-        (lens_px + lens_px) / self.expected_px2(path)
+    /// Logarithm of the measured variance over the expected one.
+    fn excess_ln(&self, per_px2: S) -> S {
+        ln(self.measured_px2 * per_px2)
     }
 
     /// One sigma of the logarithm, with those of the lens's own blur and of sharpening.
-    fn joint_sigma_ln(&self, path: &Path<S>) -> S {
-        self.joint(self.sigma_ln, path)
+    fn joint(&self, sigma_ln: S, per_px2: S) -> S {
+        (sigma_ln * sigma_ln).plus_product(self.variance_px4 * per_px2, per_px2).sqrt()
     }
 
-    fn joint(&self, sigma_ln: S, path: &Path<S>) -> S {
-        let of_lens = self.per_lens_px(path) * self.stated.sigma_lens_blur_px;
-        let of_sharpening = self.sigma_sharpened_px2 / self.expected_px2(path);
-        (sigma_ln * sigma_ln).plus_product(of_lens, of_lens).plus_product(of_sharpening, of_sharpening).sqrt()
+    /// In units of its sigma, the change of the expected logarithm with the inverse depth, and its excess; and one over
+    /// that sigma.
+    fn linearised(&self, path: &Path<S>, per_px2: S) -> ([S; 2], S) {
+        let per_sigma = over(self.joint(self.sigma_ln, per_px2));
+        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth * per_px2;
+        ([q, self.excess_ln(per_px2)].map(|part| part * per_sigma), per_sigma)
     }
 
     /// Path along the row during the exposure.
@@ -176,14 +178,18 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let sigma_px = path.per_inverse_depth * sigma_per_m;
         let longer = path.to(path.px.abs() + sigma_px + sigma_px);
         let shorter = path.to((path.px.abs() - sigma_px - sigma_px).max(S::ZERO));
-        let most = |sigmas, sigma_ln, path: &Path<S>| self.joint(sigma_ln, path) * S::from_i32(sigmas);
-        let softer = S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(MOST_SIGMAS_WIDER, self.sigma_ln, &longer);
+        let [longer, shorter] = [longer, shorter].map(|path| self.per_px2(&path));
+        let most = |sigmas, sigma_ln, per_px2| self.joint(sigma_ln, per_px2) * S::from_i32(sigmas);
+        // Of most all of this is plain without a logarithm.
         let is_as_wide = |variance_px2: S, sigma_ln: S| {
-            self.excess_of(variance_px2, &shorter) >= -most(MOST_SIGMAS_NARROWER, sigma_ln, &shorter)
+            let part = variance_px2 * shorter;
+            part >= S::ONE || ln(part) >= -most(MOST_SIGMAS_NARROWER, sigma_ln, shorter)
         };
+        let softer = || S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(MOST_SIGMAS_WIDER, self.sigma_ln, longer);
+        let is_no_wider = || self.measured_px2 * longer <= S::ONE || self.excess_ln(longer) <= softer();
         self.most_px2.is_none_or(|most_px2| is_as_wide(most_px2, self.sigma_narrowed_ln))
             && is_as_wide(self.measured_px2, self.sigma_narrow_ln)
-            && (!self.is_measured || self.excess_ln(&longer) <= softer)
+            && (!self.is_measured || is_no_wider())
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.
@@ -199,9 +205,8 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
     /// Change of the inverse depth at which positions and blur agree best, linearised about a first guess of it.
     fn compromise(&self, path: &Path<S>, information: S, change_per_m: S) -> S {
         let path = path.to(path.px + change_per_m * path.per_inverse_depth);
-        let per_sigma = over(self.joint_sigma_ln(&path));
-        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path) * per_sigma;
-        q * (q * change_per_m + self.excess_ln(&path) * per_sigma) * over(q * q + information)
+        let ([q, excess], _) = self.linearised(&path, self.per_px2(&path));
+        q * (q * change_per_m + excess) * over(q * q + information)
     }
 }
 
@@ -211,7 +216,8 @@ impl<S: Scalar> Blur<S> for BlurMeasurement<'_, S> {
         let blur_px = ((self.measured_px2 - self.expected_px2(&path.to(S::ZERO))) * S::from_i32(12)).sqrt();
         let blurred = path.to(blur_px);
         // A sigma of the path is 6 V/B times that of the logarithm.
-        let part = blur_px * S::ratio(1, 6) / (self.expected_px2(&blurred) * self.joint_sigma_ln(&blurred));
+        let per_px2 = self.per_px2(&blurred);
+        let part = blur_px * S::ratio(1, 6) * per_px2 * over(self.joint(self.sigma_ln, per_px2));
         let (of_path, of_blur) = (path.per_inverse_depth, part * part);
         let of_blur = of_blur * of_path * of_path;
         let share = of_blur * over(of_blur + information);
@@ -230,10 +236,10 @@ impl<S: Scalar> Blur<S> for BlurMeasurement<'_, S> {
 
     fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)> {
         let path = self.path(unknowns)?;
-        let per_sigma = over(self.joint_sigma_ln(&path));
-        let q = path.px * S::ratio(1, 6) * path.per_inverse_depth / self.expected_px2(&path);
-        let equation = Equation { q, y: self.excess_ln(&path), ..Equation::NOTHING };
-        Some((equation.scaled(per_sigma), self.per_lens_px(&path) * per_sigma))
+        let per_px2 = self.per_px2(&path);
+        let ([q, y], per_sigma) = self.linearised(&path, per_px2);
+        let lens_px = self.stated.lens_blur_px;
+        Some((Equation { q, y, ..Equation::NOTHING }, (lens_px + lens_px) * per_px2 * per_sigma))
     }
 
     fn compare(&self, found: &Unknowns<S>, sigma_per_m: S, entered: bool) -> (bool, Option<LensBlurMeasurement<S>>) {

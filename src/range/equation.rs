@@ -40,8 +40,14 @@ impl EquationUnits {
     /// Smaller than any others.
     pub(super) const SMALLEST: Self = Self { scale: i32::MIN, finer: 64, reach: 0 };
 
-    pub(super) fn y(&self) -> i32 {
+    /// Of y.
+    fn y(&self) -> i32 {
         self.scale.saturating_sub(self.finer)
+    }
+
+    /// A sum of products, over the units of all numbers; `exponent` is what the products have besides.
+    pub(super) fn sum<S: Scalar>(&self, sum: <S::Near as Near>::Sum, exponent: i32) -> S {
+        S::of_sum(sum, self.scale.saturating_add(self.scale).saturating_add(exponent))
     }
 }
 
@@ -69,6 +75,11 @@ impl<N: Near> Equation<N> {
         }
     }
 
+    /// Residual in units of its own noise, once the equations are solved.
+    pub(super) fn deviation<S: Scalar<Near = N>>(&self, units: EquationUnits) -> S {
+        S::of_near(self.y, units.y())
+    }
+
     /// In units of one.
     pub(super) fn whole<S: Scalar<Near = N>>(&self, units: EquationUnits) -> Equation<S> {
         let [one, w] = [self.one, self.w].map(|part| S::of_near(part, units.scale));
@@ -85,8 +96,9 @@ pub(crate) struct Equations<S: Scalar, const N: usize> {
     pub(crate) prior: Vec<Equation<S>, MOST_PRIORS>,
     /// Whether there is a prior for the tilt; without one it is zero, not free.
     pub(super) has_tilt: bool,
-    /// What solving has subtracted from q, w and y so far, for each unit of `one`.
-    pub(super) centre: [S; 3],
+    /// What a pixel of the lens's own blur takes from the y of the blur's equation, which is the last of the priors'; zero
+    /// without one.
+    pub(super) per_lens_px: S,
 }
 
 /// Bearing, inverse depth and tilt of earlier frames, or an upright edge, and the blur.
@@ -95,7 +107,7 @@ pub(crate) const MOST_PRIORS: usize = 4;
 impl<S: Scalar, const N: usize> Equations<S, N> {
     pub(crate) fn new() -> Self {
         let units = EquationUnits::SMALLEST;
-        Self { observed: Vec::new(), units, prior: Vec::new(), has_tilt: false, centre: [S::ZERO; 3] }
+        Self { observed: Vec::new(), units, prior: Vec::new(), has_tilt: false, per_lens_px: S::ZERO }
     }
 
     pub(crate) fn clear(&mut self, reach: i32) {
@@ -103,7 +115,7 @@ impl<S: Scalar, const N: usize> Equations<S, N> {
         self.prior.clear();
         self.units = EquationUnits { reach, ..EquationUnits::SMALLEST };
         self.has_tilt = false;
-        self.centre = [S::ZERO; 3];
+        self.per_lens_px = S::ZERO;
     }
 
     /// One with units of its own: the largest become those of all.
@@ -128,5 +140,15 @@ impl<S: Scalar, const N: usize> Equations<S, N> {
         self.has_tilt |= equation.w != S::ZERO;
         // There is room: three of a state and one of the blur at most.
         let _ = self.prior.push(equation);
+    }
+
+    /// Sum of the squares of all deviations, those from the priors included.
+    // Not inlined: it is asked for in many places.
+    #[inline(never)]
+    pub(super) fn cost(&self) -> S {
+        let observed = self.observed.iter().fold(S::Near::NO_SUM, |sum, off| S::Near::sum_and(sum, off.y, off.y));
+        let finer = -self.units.finer;
+        let observed = self.units.sum(observed, finer.saturating_add(finer));
+        self.prior.iter().fold(observed, |sum, off| sum.plus_product(off.y, off.y))
     }
 }

@@ -190,11 +190,10 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     #[inline(never)]
     fn residuals(&self) -> Vec<Residual<'_, S>, N> {
         let mut residuals = Vec::new();
-        let near = self.last.solution.near(self.equations.units);
         for (equation, observation) in self.equations.observed.iter().zip(&self.observations) {
             if observation.normals.is_inlier {
                 // There is room: as many as observations.
-                let _ = residuals.push(Residual::new(observation, near.deviation(equation)));
+                let _ = residuals.push(Residual::new(observation, equation.deviation(self.equations.units)));
             }
         }
         residuals
@@ -273,9 +272,10 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
 
     #[inline(never)]
     fn goodness_of_fit(&self) -> GoodnessOfFit<S> {
-        let near = self.last.solution.near(self.equations.units);
         let kept = self.equations.observed.iter().zip(&self.observations);
         let kept = kept.filter(|(_, observation)| observation.normals.is_inlier);
-        GoodnessOfFit::of(kept.map(|(equation, observation)| (near.deviation(equation), observation.per_sigma())))
+        GoodnessOfFit::of(
+            kept.map(|(equation, observation)| (equation.deviation(self.equations.units), observation.per_sigma())),
+        )
     }
 }

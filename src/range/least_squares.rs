@@ -22,65 +22,42 @@ pub(crate) struct Solution<S> {
     /// Components of y along q and along w⊥.
     rho: S,
     beta: S,
-    /// Change of the inverse depth: ρ less what of it the tilt takes.
-    inverse_depth: S,
 }
 
 /// Weighted least squares by orthogonalisation: first the constant, then q, then the part of w that is orthogonal to q.
-/// Leaves the equations centred; they may be solved again after a change of their sigmas.
-pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> Solution<S> {
-    let weight = centre(equations);
-    let [mean_q, mean_w, mean_y] = equations.centre;
-    let EquationUnits { scale, reach, finer } = equations.units;
-    let (twice, of_qy) = (scale.saturating_add(scale), reach.saturating_sub(finer));
-    let ([of_qq, of_qw], none) = ([reach.saturating_add(reach), reach], S::Near::NO_SUM);
-    let (mut qq, mut qw, mut qy) = (none, none, none);
-    for Equation { q, w, y, .. } in &equations.observed {
-        (qq, qw, qy) = (S::Near::sum_and(qq, *q, *q), S::Near::sum_and(qw, *q, *w), S::Near::sum_and(qy, *q, *y));
+/// Leaves the equations centred and orthogonal, and of y what is not explained. They may be solved again after a change
+/// of their sigmas: `before` is what solving them has told so far.
+pub(crate) fn solve<S: Scalar, const N: usize>(equations: &mut Equations<S, N>, before: &Solution<S>) -> Solution<S> {
+    let (weight, [mean_q, mean_w, mean_y]) = centre(equations);
+    let (qq, [c, rho]) = take_q(equations);
+    let (ww, beta) = if equations.has_tilt { take_w(equations) } else { (S::ZERO, S::ZERO) };
+    Solution {
+        mean_q: before.mean_q + mean_q,
+        mean_w: before.mean_w.plus_product(before.c, mean_q) + mean_w,
+        mean_y: before.mean_y.plus_product(before.rho, mean_q).plus_product(before.beta, mean_w) + mean_y,
+        weight,
+        qq,
+        c: before.c + c,
+        ww,
+        rho: before.rho.plus_product(before.beta, c) + rho,
+        beta: before.beta + beta,
     }
-    let whole = |sum, exponent: i32| S::of_sum(sum, twice.saturating_add(exponent));
-    let (mut qq, mut qw, mut qy) = (whole(qq, of_qq), whole(qw, of_qw), whole(qy, of_qy));
-    for Equation { q, w, y, .. } in &equations.prior {
-        (qq, qw, qy) = (qq.plus_product(*q, *q), qw.plus_product(*q, *w), qy.plus_product(*q, *y));
-    }
-    let per_qq = over(qq);
-    let (c, rho) = (qw * per_qq, qy * per_qq);
-    let mut solution = Solution { mean_q, mean_w, mean_y, weight, qq, c, rho, inverse_depth: rho, ..Solution::NOTHING };
-    if equations.has_tilt {
-        let near = solution.near(equations.units);
-        let (mut ww, mut wy) = (none, none);
-        for equation in &equations.observed {
-            let across = near.across(equation);
-            let off = equation.y.minus_scaled(equation.q, near.rho);
-            (ww, wy) = (S::Near::sum_and(ww, across, across), S::Near::sum_and(wy, across, off));
-        }
-        let (mut ww, mut wy) = (whole(ww, 0), whole(wy, -finer));
-        for equation in &equations.prior {
-            let across = solution.across(equation);
-            let off = equation.y.minus_product(rho, equation.q);
-            (ww, wy) = (ww.plus_product(across, across), wy.plus_product(across, off));
-        }
-        (solution.ww, solution.beta) = (ww, wy * over(ww));
-        solution.inverse_depth = rho.minus_product(c, solution.beta);
-    }
-    solution
 }
 
-/// Subtracts from q, w and y their weighted means; the sum of all weights.
-fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
-    let EquationUnits { scale, reach, finer } = equations.units;
-    let twice = scale.saturating_add(scale);
-    let none = S::Near::NO_SUM;
+/// Subtracts from q, w and y their weighted means; the sum of all weights, and these.
+fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> (S, [S; 3]) {
+    let (units, none) = (equations.units, S::Near::NO_SUM);
+    let EquationUnits { reach, finer, .. } = units;
     let (mut weight, mut q, mut w, mut y) = (none, none, none, none);
     for equation in &equations.observed {
         let one = equation.one;
         (weight, q) = (S::Near::sum_and(weight, one, one), S::Near::sum_and(q, one, equation.q));
         (w, y) = (S::Near::sum_and(w, one, equation.w), S::Near::sum_and(y, one, equation.y));
     }
-    let whole = |sum, exponent: i32| S::of_sum(sum, twice.saturating_add(exponent));
-    let (mut weight, mut q) = (whole(weight, 0), whole(q, reach));
-    let (mut w, mut y) = (whole(w, 0), whole(y, -finer));
-    for equation in &equations.prior {
+    let (mut weight, mut q) = (units.sum::<S>(weight, 0), units.sum::<S>(q, reach));
+    let (mut w, mut y) = (units.sum::<S>(w, 0), units.sum::<S>(y, -finer));
+    // What says nothing of the bearing has no part in it.
+    for equation in equations.prior.iter().filter(|equation| equation.one != S::ZERO) {
         let one = equation.one;
         (weight, q) = (weight.plus_product(one, one), q.plus_product(one, equation.q));
         (w, y) = (w.plus_product(one, equation.w), y.plus_product(one, equation.y));
@@ -93,14 +70,60 @@ fn centre<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> S {
         (equation.q, equation.w) = (equation.q.minus_scaled(one, near_q), equation.w.minus_scaled(one, near_w));
         equation.y = equation.y.minus_scaled(one, near_y);
     }
-    for equation in &mut equations.prior {
+    for equation in equations.prior.iter_mut().filter(|equation| equation.one != S::ZERO) {
         let one = equation.one;
         (equation.q, equation.w) = (equation.q.minus_product(one, q), equation.w.minus_product(one, w));
         equation.y = equation.y.minus_product(one, y);
     }
-    let [mean_q, mean_w, mean_y] = equations.centre;
-    equations.centre = [mean_q + q, mean_w + w, mean_y + y];
-    weight
+    (weight, [q, w, y])
+}
+
+/// Subtracts from w and y their parts along q; ⟨q, q⟩, and how much of q these are.
+fn take_q<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> (S, [S; 2]) {
+    let (units, none) = (equations.units, S::Near::NO_SUM);
+    let EquationUnits { reach, finer, .. } = units;
+    let (mut qq, mut qw, mut qy) = (none, none, none);
+    for Equation { q, w, y, .. } in &equations.observed {
+        (qq, qw, qy) = (S::Near::sum_and(qq, *q, *q), S::Near::sum_and(qw, *q, *w), S::Near::sum_and(qy, *q, *y));
+    }
+    let mut qq = units.sum::<S>(qq, reach.saturating_add(reach));
+    let (mut qw, mut qy) = (units.sum::<S>(qw, reach), units.sum::<S>(qy, reach.saturating_sub(finer)));
+    for Equation { q, w, y, .. } in &equations.prior {
+        (qq, qw, qy) = (qq.plus_product(*q, *q), qw.plus_product(*q, *w), qy.plus_product(*q, *y));
+    }
+    let per_qq = over(qq);
+    let (c, rho) = (qw * per_qq, qy * per_qq);
+    let per_reach = reach.saturating_neg();
+    let (near_c, near_rho) = (c.factor(per_reach), rho.factor(per_reach.saturating_sub(finer)));
+    for Equation { q, w, y, .. } in &mut equations.observed {
+        (*w, *y) = (w.minus_scaled(*q, near_c), y.minus_scaled(*q, near_rho));
+    }
+    for Equation { q, w, y, .. } in &mut equations.prior {
+        (*w, *y) = (w.minus_product(c, *q), y.minus_product(rho, *q));
+    }
+    (qq, [c, rho])
+}
+
+/// Subtracts from y its part along w; ⟨w, w⟩, and how much of w that is.
+fn take_w<S: Scalar, const N: usize>(equations: &mut Equations<S, N>) -> (S, S) {
+    let (units, none) = (equations.units, S::Near::NO_SUM);
+    let (mut ww, mut wy) = (none, none);
+    for Equation { w, y, .. } in &equations.observed {
+        (ww, wy) = (S::Near::sum_and(ww, *w, *w), S::Near::sum_and(wy, *w, *y));
+    }
+    let (mut ww, mut wy) = (units.sum::<S>(ww, 0), units.sum::<S>(wy, -units.finer));
+    for Equation { w, y, .. } in &equations.prior {
+        (ww, wy) = (ww.plus_product(*w, *w), wy.plus_product(*w, *y));
+    }
+    let beta = wy * over(ww);
+    let near_beta = beta.factor(-units.finer);
+    for Equation { w, y, .. } in &mut equations.observed {
+        *y = y.minus_scaled(*w, near_beta);
+    }
+    for Equation { w, y, .. } in &mut equations.prior {
+        *y = y.minus_product(beta, *w);
+    }
+    (ww, beta)
 }
 
 impl<S: Scalar> Solution<S> {
@@ -115,13 +138,7 @@ impl<S: Scalar> Solution<S> {
         ww: S::ZERO,
         rho: S::ZERO,
         beta: S::ZERO,
-        inverse_depth: S::ZERO,
     };
-
-    /// The part of w that is orthogonal to q: what of the tilt does not look like depth.
-    fn across(&self, equation: &Equation<S>) -> S {
-        equation.w.minus_product(self.c, equation.q)
-    }
 
     /// Changes of bearing, inverse depth and tilt.
     pub(crate) fn change(&self) -> [S; 3] {
@@ -140,40 +157,19 @@ impl<S: Scalar> Solution<S> {
         along + self.beta * self.beta * self.ww
     }
 
-    /// Residual of an equation in units of its own noise.
-    pub(crate) fn deviation(&self, equation: &Equation<S>) -> S {
-        equation.y.minus_product(self.inverse_depth, equation.q).minus_product(self.beta, equation.w)
-    }
-
-    /// Sum of the squares of all deviations, those from the priors included.
-    pub(crate) fn cost<const N: usize>(&self, equations: &Equations<S, N>) -> S {
-        let (near, unit) = (self.near(equations.units), equations.units.y());
-        let observed = equations.observed.iter().map(|equation| near.near_deviation(equation));
-        let observed = observed.fold(S::Near::NO_SUM, |sum, off| S::Near::sum_and(sum, off, off));
-        let prior = equations.prior.iter().map(|equation| self.deviation(equation));
-        prior.fold(S::of_sum(observed, unit.saturating_add(unit)), |sum, off| sum.plus_product(off, off))
-    }
-
     /// For equations of what is observed.
     pub(super) fn near(&self, units: EquationUnits) -> NearSolution<S::Near> {
-        let EquationUnits { reach, finer, .. } = units;
-        let per_reach = reach.saturating_neg();
-        let of_y = per_reach.saturating_sub(finer);
+        let EquationUnits { reach, .. } = units;
         NearSolution {
             mean_q: self.mean_q.factor(reach),
             mean_w: self.mean_w.factor(0),
-            c: self.c.factor(per_reach),
-            rho: self.rho.factor(of_y),
-            beta: self.beta.factor(-finer),
-            inverse_depth: self.inverse_depth.factor(of_y),
-            unit_of_y: units.y(),
+            c: self.c.factor(reach.saturating_neg()),
         }
     }
 
-    /// The q and the w of an equation before it was centred.
-    pub(crate) fn uncentred(&self, equation: &Equation<S>) -> [S; 2] {
-        let Equation { one, q, w, .. } = *equation;
-        [q.plus_product(one, self.mean_q), w.plus_product(one, self.mean_w)]
+    /// The q of an equation before it was solved.
+    pub(crate) fn unsolved_q(&self, equation: &Equation<S>) -> S {
+        equation.q.plus_product(equation.one, self.mean_q)
     }
 
     /// Zero where tilt is not estimated.
@@ -204,7 +200,7 @@ impl<S: Scalar> Solution<S> {
     pub(super) fn respond(&self, [mean, along, across]: &mut [S; 3], equation: &Equation<S>, error: S) {
         *mean = mean.plus_product(error, equation.one);
         *along = along.plus_product(error, equation.q);
-        *across = across.plus_product(error, self.across(equation));
+        *across = across.plus_product(error, equation.w);
     }
 
     /// These sums for errors that are a factor on q, as it was before it was centred, in all equations: these are
@@ -243,30 +239,12 @@ pub(super) struct NearSolution<N: Near> {
     mean_q: N::Factor,
     mean_w: N::Factor,
     c: N::Factor,
-    rho: N::Factor,
-    beta: N::Factor,
-    inverse_depth: N::Factor,
-    unit_of_y: i32,
 }
 
 impl<N: Near> NearSolution<N> {
-    fn across(&self, equation: &Equation<N>) -> N {
-        equation.w.minus_scaled(equation.q, self.c)
-    }
-
-    /// As [`Solution::deviation`], in the unit of the equation's y.
-    pub(super) fn near_deviation(&self, equation: &Equation<N>) -> N {
-        equation.y.minus_scaled(equation.q, self.inverse_depth).minus_scaled(equation.w, self.beta)
-    }
-
-    /// As [`Solution::deviation`].
-    pub(super) fn deviation<S: Scalar<Near = N>>(&self, equation: &Equation<N>) -> S {
-        S::of_near(self.near_deviation(equation), self.unit_of_y)
-    }
-
-    /// As [`Solution::uncentred`].
-    pub(super) fn uncentred(&self, equation: &Equation<N>) -> [N; 2] {
+    /// The q and the w of an equation before it was solved.
+    pub(super) fn unsolved(&self, equation: &Equation<N>) -> [N; 2] {
         let Equation { one, q, w, .. } = *equation;
-        [q.minus_scaled(-one, self.mean_q), w.minus_scaled(-one, self.mean_w)]
+        [q.minus_scaled(-one, self.mean_q), w.minus_scaled(-one, self.mean_w).minus_scaled(-q, self.c)]
     }
 }

@@ -38,11 +38,19 @@ impl<N: Near> Normal<N> {
         Self { x: N::ZERO, z: -y, moved: z.times(py).minus_product(y, pz) }
     }
 
+    /// That of a ray along the x axis and down, in the axes of a level camera.
+    fn of_level_right(x: N, [_, _, pz]: [N; 3]) -> Self {
+        Self { x: N::ZERO, z: x, moved: x.times(pz) }
+    }
+
     /// Of a direction along the x axis.
     fn of_right(x: N, [_, ey, ez]: [N; 3], [_, py, pz]: [N; 3]) -> Self {
         let z = x.times(ey);
         Self { x: N::ZERO, z, moved: z.times(pz).minus_product(x.times(ez), py) }
     }
+
+    /// That of two parallel directions.
+    const NOTHING: Self = Self { x: N::ZERO, z: N::ZERO, moved: N::ZERO };
 
     fn minus_twice(self) -> Self {
         Self { x: -(self.x + self.x), z: -(self.z + self.z), moved: -(self.moved + self.moved) }
@@ -154,6 +162,8 @@ pub(crate) struct Observer<'a, S: Scalar, M> {
     is_level: bool,
     /// What the motion is, where that is constant.
     steady: Option<ConstantRates<S::Near>>,
+    /// Rounding of the columns of the image.
+    least_sigma_px: S,
 }
 
 impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
@@ -162,7 +172,8 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let is_level = directions == [[S::ZERO, S::ONE, S::ZERO], [S::ONE, S::ZERO, S::ZERO]];
         let [gravity, lean] = directions.map(|direction| direction.map(|component| component.near(0)));
         let steady = motion.constant_rates().map(ConstantRates::new);
-        Self { spans: RaySpans::new(camera), motion, gravity, lean, is_level, steady }
+        let least_sigma_px = S::from_i32(i32::from(camera.intrinsics().columns) + 1) * (S::EPSILON + S::EPSILON);
+        Self { spans: RaySpans::new(camera), motion, gravity, lean, is_level, steady, least_sigma_px }
     }
 
     /// `None` where the lens model has no ray.
@@ -183,8 +194,7 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         // that of a product the product of the means and this. What it would add to the lean is the product of two
         // small numbers.
         normals.down.moved = normals.down.moved + self.down(rays.half, rays.half_position).moved;
-        // No less than the rounding of the column itself.
-        let sigma_px = sample.sigma_px.max((sample.column_px.abs() + S::ONE) * (S::EPSILON + S::EPSILON));
+        let sigma_px = sample.sigma_px.max(self.least_sigma_px);
         Some(Observation {
             normals,
             near_bearings: span.middle,
@@ -224,8 +234,12 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         let none = S::Near::ZERO;
         let [down_per_px, lean_per_px] = match along_row {
             // Neither the camera has turned nor the lens distorts.
-            [right, y, z] if !self.is_level && y == none && z == none => {
-                [self.gravity, self.lean].map(|axis| Normal::of_right(right, axis, position))
+            [right, y, z] if y == none && z == none => {
+                if self.is_level {
+                    [Normal::of_level_right(right, position), Normal::NOTHING]
+                } else {
+                    [self.gravity, self.lean].map(|axis| Normal::of_right(right, axis, position))
+                }
             }
             _ => [down(along_row), lean(along_row)],
         };

@@ -60,18 +60,17 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// A third of the largest deviation, and whether that is beyond the robust scale.
     #[inline(never)]
     fn largest_part(&self) -> (S, bool) {
-        let sizes = self.deviations(&self.last.solution, &[]);
+        let sizes = self.deviations(&[]);
         let part = largest(&sizes) * S::ratio(1, SUSPICIOUS);
         (part, is_beyond_robust_scale(part, &sizes))
     }
 
     /// Absolute deviations of the inliers, in units of their own noise, which each equation may have been scaled by.
-    fn deviations(&self, solution: &Solution<S>, scales: &[S]) -> Vec<S, N> {
-        let near = solution.near(self.equations.units);
+    fn deviations(&self, scales: &[S]) -> Vec<S, N> {
         let mut sizes = Vec::new();
         for (index, (equation, observation)) in self.equations.observed.iter().zip(&self.observations).enumerate() {
             if observation.normals.is_inlier {
-                let size = near.deviation::<S>(equation).abs();
+                let size = equation.deviation::<S>(self.equations.units).abs();
                 // There is room: as many as observations.
                 let _ = sizes.push(scales.get(index).map_or(size, |scale| size * *scale));
             }
@@ -86,7 +85,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn reject_outliers(&mut self) -> Option<[S; 3]> {
         let mut scales = Vec::new();
         let solution = self.reweight(&mut scales);
-        let sizes = self.deviations(&solution, &scales);
+        let sizes = self.deviations(&scales);
         let count = sizes.len();
         // From few samples the robust scale is not well known.
         let times = S::from_i32(OUTLIER) + S::ratio(16, count.max(1) as i32);
@@ -112,20 +111,20 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         let least_change = S::ratio(1, REWEIGHTED_PART);
         for _ in 0..REWEIGHTING_ROUNDS {
             let mut has_settled = true;
-            let near = solution.near(self.equations.units);
+            let units = self.equations.units;
             let kept = self.equations.observed.iter_mut().zip(scales.iter_mut()).zip(&self.observations);
             for ((equation, scale), _) in kept.filter(|(_, observation)| observation.normals.is_inlier) {
-                let deviation = near.deviation::<S>(equation).abs() * *scale;
+                let deviation = equation.deviation::<S>(units).abs() * *scale;
                 let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
                 let factor = *scale / next;
                 has_settled = has_settled && (factor - S::ONE).abs() < least_change;
                 *equation = equation.near_scaled(factor.factor(0));
                 *scale = next;
             }
-            solution = solve(&mut self.equations);
             if has_settled {
                 break;
             }
+            solution = solve(&mut self.equations, &solution);
         }
         solution
     }

@@ -44,8 +44,8 @@ impl SampleSet {
 
 /// By how much a unit of a shared error has moved a prior equation.
 pub(super) enum PriorError<'a, S> {
-    /// One error alone.
-    Alone(SharedError, S),
+    /// That of the tilt alone.
+    Tilt(S),
     /// Through the earlier frames.
     Earlier(&'a LineState<S>, Statement<S>),
 }
@@ -53,8 +53,8 @@ pub(super) enum PriorError<'a, S> {
 impl<S: Scalar> PriorError<'_, S> {
     pub(super) fn of(&self, index: usize, error: SharedError) -> S {
         match self {
-            Self::Alone(of, amount) if *of == error => *amount,
-            Self::Alone(..) => S::ZERO,
+            Self::Tilt(amount) if error == SharedError::Tilt => *amount,
+            Self::Tilt(_) => S::ZERO,
             Self::Earlier(state, statement) => {
                 let effect = state.sensitivity.0.get(index).copied().unwrap_or([S::ZERO; 3]);
                 dot(statement.coefficients, effect) * statement.per_sigma
@@ -74,32 +74,43 @@ impl<'a, S: Scalar> Prior<'a, S> {
         self.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3)
     }
 
-    /// Its equations, linearised about `at`, each with what shared errors do to it. The blur may be left out: far from
-    /// the solution it leads astray.
-    pub(super) fn equations(
-        &self,
-        setup: &Setup<S>,
-        at: &Unknowns<S>,
-        with_blur: bool,
-        mut each: impl FnMut(Equation<S>, PriorError<'_, S>),
-    ) {
+    /// Its equations but for the blur's, linearised about `at`.
+    pub(super) fn equations(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(Equation<S>)) {
         match &self.state {
             Some((state, statements)) => {
-                for statement in statements.iter().filter(|statement| statement.per_sigma > S::ZERO) {
-                    each(statement.equation(&state.line3, at), PriorError::Earlier(state, *statement));
-                }
+                stated(statements).for_each(|statement| each(statement.equation(&state.line3, at)));
             }
             None => {
-                // An edge is upright, but for its lean and the direction of gravity. A sigma of zero: no tilt at all.
-                let per_sigma = over(setup.uncertainty().sigma_tilt_at(at.bearing));
+                let per_sigma = per_sigma_of_tilt(setup, at);
                 if per_sigma > S::ZERO {
-                    let equation = Equation { w: per_sigma, y: -(at.tilt * per_sigma), ..Equation::NOTHING };
-                    each(equation, PriorError::Alone(SharedError::Tilt, per_sigma));
+                    each(Equation { w: per_sigma, y: -(at.tilt * per_sigma), ..Equation::NOTHING });
                 }
             }
         }
-        if let Some((equation, per_lens_px)) = self.blur.filter(|_| with_blur).and_then(|blur| blur.equation(at)) {
-            each(equation, PriorError::Alone(SharedError::Lens, -per_lens_px));
+    }
+
+    /// What shared errors do to each of [`equations`](Self::equations), in the same order.
+    pub(super) fn errors(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(PriorError<'_, S>)) {
+        match &self.state {
+            Some((state, statements)) => {
+                stated(statements).for_each(|statement| each(PriorError::Earlier(state, *statement)));
+            }
+            None => {
+                let per_sigma = per_sigma_of_tilt(setup, at);
+                if per_sigma > S::ZERO {
+                    each(PriorError::Tilt(per_sigma));
+                }
+            }
         }
     }
+}
+
+/// Those that say something.
+fn stated<S: Scalar>(statements: &[Statement<S>; 3]) -> impl Iterator<Item = &Statement<S>> {
+    statements.iter().filter(|statement| statement.per_sigma > S::ZERO)
+}
+
+/// An edge is upright, but for its lean and the direction of gravity. Zero for a sigma of zero: no tilt at all.
+fn per_sigma_of_tilt<S: Scalar>(setup: &Setup<S>, at: &Unknowns<S>) -> S {
+    over(setup.uncertainty().sigma_tilt_at(at.bearing))
 }

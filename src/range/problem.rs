@@ -22,7 +22,12 @@ pub(super) struct Problem<'a, S: Scalar, const N: usize> {
     pub(super) observations: Vec<Observation<S>, N>,
     pub(super) equations: Equations<S, N>,
     pub(super) last: Solved<S>,
+    /// What the blur tells about the place that was asked for last: mostly it is asked for there again.
+    blur: Option<(Unknowns<S>, BlurEquation<S>)>,
 }
+
+/// The equation of the blur, and what a pixel of the lens's own blur takes from its y.
+type BlurEquation<S> = (Equation<S>, S);
 
 /// The outcome of a round.
 #[derive(Clone, Copy)]
@@ -96,10 +101,9 @@ fn observe<S: Scalar>(
     let y = -miss.times(near_per_miss);
     let units = EquationUnits { scale, finer, reach: normals.units.reach() };
     let [mut one, mut q] = [residual.per_bearing, residual.per_inverse_depth];
-    let change = if round == Round::Later { at.change_along_row(normals) } else { [none; 2] };
-    if change != [none; 2] {
-        let miss_px = S::of_near(miss, -finer) * px_per_miss;
-        let ([one_per_px, q_per_px], off) = (change, miss_px.near(-normals.units.per_px()));
+    let [one_per_px, q_per_px] = residual.change_along_row;
+    if residual.change_along_row != [none; 2] {
+        let off = (S::of_near(miss, -finer) * px_per_miss).near(-normals.units.per_px());
         (one, q) = (one.minus_product(one_per_px, off), q.minus_product(q_per_px, off));
     }
     let [one, q, w] = [one, q, residual.per_tilt].map(|part| part.times(near_per_miss));
@@ -116,7 +120,7 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     // Not inlined: what it is made of would stay on the stack beside it.
     #[inline(never)]
     pub(super) fn new(setup: &'a Setup<S>, prior: &'a Prior<'a, S>) -> Self {
-        Self { setup, prior, observations: Vec::new(), equations: Equations::new(), last: Solved::NOTHING }
+        Self { setup, prior, observations: Vec::new(), equations: Equations::new(), last: Solved::NOTHING, blur: None }
     }
 }
 
@@ -133,16 +137,34 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             is_in_front &= in_front;
             equations.push_observed(equation, units);
         }
-        self.prior.equations(self.setup, at, round == Round::Later, |equation, _| {
-            equations.push_prior(equation);
-        });
+        self.prior.equations(self.setup, at, |equation| equations.push_prior(equation));
+        // Far from the solution the blur leads astray.
+        if round == Round::Later
+            && let Some((equation, per_lens_px)) = self.blur_equation(at)
+        {
+            self.equations.push_prior(equation);
+            self.equations.per_lens_px = per_lens_px;
+        }
         // In place: a copy would take room.
         let last = &mut self.last;
-        last.solution = solve(equations);
+        last.solution = solve(&mut self.equations, &Solution::NOTHING);
         (last.at, last.found) = (*at, at.moved(last.solution.change()));
         last.is_in_front = is_in_front && last.found.inverse_depth > S::ZERO;
         last.has_settled = true;
         Ok(())
+    }
+
+    /// The equation of the blur, linearised about `at`; `None` where nothing is known of it.
+    fn blur_equation(&mut self, at: &Unknowns<S>) -> Option<BlurEquation<S>> {
+        let blur = self.prior.blur?;
+        if let Some((about, equation)) = &self.blur
+            && about == at
+        {
+            return Some(*equation);
+        }
+        let equation = blur.equation(at)?;
+        self.blur = Some((*at, equation));
+        Some(equation)
     }
 
     /// The first round, from nothing: the positions and the prior of the tilt alone.
@@ -180,14 +202,12 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// Whether another round would change next to nothing: this one has not moved the estimate far, and neither the
     /// samples at both ends nor the blur have departed on the way from what their equations foretell. What scatters
     /// more than stated is known less well.
-    fn has_settled(&self, step_squared: S) -> bool {
+    fn has_settled(&mut self, step_squared: S) -> bool {
         let settled = S::ratio(1, SETTLED_PART * SETTLED_PART);
         if step_squared < settled {
             return true;
         }
-        let is_near = step_squared < S::ONE;
-        let moves = if is_near { self.blur_moves() } else { S::ZERO };
-        if is_near && moves < settled && self.is_linear(settled) {
+        if step_squared < S::ONE && self.blur_moves() < settled && self.is_linear(settled) {
             return true;
         }
         // A straight edge does not scatter by as much as this.
@@ -200,8 +220,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             return false;
         }
         let settled = settled * scatter;
-        let may_be_linear = || (if is_near { moves } else { self.blur_moves() }) < settled;
-        step_squared < settled || step_squared < scatter && may_be_linear() && self.is_linear(settled)
+        step_squared < settled || step_squared < scatter && self.blur_moves() < settled && self.is_linear(settled)
     }
 
     /// Whether equations of the samples at both ends, linearised anew, would be the same: as if all others had changed
@@ -219,8 +238,8 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         for (observation, old) in [pairs.next(), pairs.next_back()].into_iter().flatten() {
             let Some((new, new_units, _)) = observe(observation, &near, Round::Later) else { return false };
             let new = new.whole::<S>(new_units);
-            let ([q, w], y) = (near_solution.uncentred(old), near_solution.near_deviation(old));
-            let old = Equation { q, w, y, ..*old }.whole::<S>(units);
+            let [q, w] = near_solution.unsolved(old);
+            let old = Equation { q, w, ..*old }.whole::<S>(units);
             let (of_q, of_w, off) = (new.q - old.q, new.w - old.w, new.y - old.y);
             of_sigmas = of_sigmas + of_q * of_q * per_q + of_w * of_w * per_w;
             of_y = of_y + off * off;
@@ -232,13 +251,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         true
     }
 
-    /// Equations of samples as they were before they were centred.
+    /// Equations of samples as they were before they were solved, but for y.
     pub(super) fn equations_of<const M: usize>(&self, samples: [usize; M]) -> [Option<Equation<S>>; M] {
         let units = self.equations.units;
         let near = self.last.solution.near(units);
         samples.map(|index| {
             let equation = self.equations.observed.get(index)?;
-            let [q, w] = near.uncentred(equation);
+            let [q, w] = near.unsolved(equation);
             Some(Equation { q, w, ..*equation }.whole(units))
         })
     }
@@ -258,17 +277,16 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// Sum of the squares of all deviations.
     pub(super) fn cost(&self) -> S {
-        self.last.solution.cost(&self.equations)
+        self.equations.cost()
     }
 
     /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its
     /// part in the gradient.
-    fn blur_moves(&self) -> S {
-        let (Some(blur), Some(old)) = (self.prior.blur, self.equations.prior.last()) else { return S::ZERO };
-        let Solved { found, solution, .. } = &self.last;
-        let [q, _] = solution.uncentred(old);
-        let before = q * solution.deviation(old);
-        let Some((new, _)) = blur.equation(found) else { return S::ONE };
+    fn blur_moves(&mut self) -> S {
+        let (true, Some(old)) = (self.prior.blur.is_some(), self.equations.prior.last()) else { return S::ZERO };
+        let Solved { found, solution, .. } = self.last;
+        let before = solution.unsolved_q(old) * old.y;
+        let Some((new, _)) = self.blur_equation(&found) else { return S::ONE };
         let change = new.q * new.y - before;
         change * change * over(solution.information_of_inverse_depth())
     }
@@ -290,7 +308,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     #[inline(never)]
     pub(super) fn settle_again(&mut self) -> Result<(), FitError> {
         let last = &mut self.last;
-        last.solution = solve(&mut self.equations);
+        last.solution = solve(&mut self.equations, &last.solution);
         last.found = last.at.moved(last.solution.change());
         if !(last.solution.step_squared() < S::ratio(1, NEARBY_PART * NEARBY_PART)) {
             let found = last.found;

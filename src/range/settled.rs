@@ -64,12 +64,11 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         if *speed != [S::ZERO; 3] {
             // The priors do not know of it.
             for equation in &equations.prior {
-                let [q, _] = solution.uncentred(equation);
-                solution.respond(speed, equation, at.inverse_depth * q);
+                solution.respond(speed, equation, at.inverse_depth * solution.unsolved_q(equation));
             }
         }
         let mut equations_of_prior = equations.prior.iter();
-        prior.equations(setup, at, true, |_, prior_error| {
+        prior.errors(setup, at, |prior_error| {
             let Some(equation) = equations_of_prior.next() else { return };
             for (index, (response, error)) in effects.iter_mut().zip(SharedError::ALL).enumerate() {
                 let error = prior_error.of(index, error);
@@ -78,6 +77,9 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
                 }
             }
         });
+        if let ([_, of_lens, ..], Some(blur)) = (effects, equations_of_prior.next()) {
+            solution.respond(of_lens, blur, -equations.per_lens_px);
+        }
     }
 
     /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an

@@ -5,7 +5,7 @@ use super::tuning::LEAST_CROSSING;
 use crate::scalar::{Arithmetic, Near, Scalar};
 
 /// `(a, ρ, β)`, for directions that the observations have been held against: a line without these.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Unknowns<S> {
     pub(crate) bearing: S,
     pub(crate) inverse_depth: S,
@@ -24,6 +24,8 @@ pub(crate) struct Residual<S: Scalar> {
     pub(super) per_inverse_depth: S::Near,
     /// By the tilt: `(d × e) · P`.
     pub(super) per_tilt: S::Near,
+    /// What a pixel along the row adds to `per_bearing` and `per_inverse_depth`.
+    pub(super) change_along_row: [S::Near; 2],
     /// Of a pixel along the row and of the position.
     pub(super) units: Units,
     /// The exponent of that power of two.
@@ -106,31 +108,26 @@ impl<N: Near> NearUnknowns<N> {
     pub(super) fn residual<S: Scalar<Near = N>>(&self, normals: &Normals<S>) -> Residual<S> {
         let Normals { down, lean, down_per_px, lean_per_px, units, .. } = normals;
         let per_tilt = self.offset(lean);
-        let [per_bearing, per_inverse_depth] = self.per_place(down, lean);
+        let along_row = Normal {
+            x: self.leaning(down_per_px.x, lean_per_px.x),
+            z: self.leaning(down_per_px.z, lean_per_px.z),
+            moved: self.leaning(down_per_px.moved, lean_per_px.moved),
+        };
         Residual {
             miss: self.leaning(self.offset(down), per_tilt),
-            per_px: self.leaning(self.offset(down_per_px), self.offset(lean_per_px)),
-            per_bearing,
-            per_inverse_depth,
+            per_px: self.offset(&along_row),
+            per_bearing: self.leaning(down.x, lean.x).over_power_of_two(self.place),
+            per_inverse_depth: -self.leaning(down.moved, lean.moved).over_power_of_two(self.place),
             per_tilt: per_tilt.over_power_of_two(self.turn),
+            change_along_row: [along_row.x, -along_row.moved].map(|part| part.over_power_of_two(self.place)),
             units: *units,
             exponent: units.ray() + self.place + self.turn,
         }
     }
-
-    fn per_place(&self, down: &Normal<N>, lean: &Normal<N>) -> [N; 2] {
-        let by = [self.leaning(down.x, lean.x), -self.leaning(down.moved, lean.moved)];
-        by.map(|part| part.over_power_of_two(self.place))
-    }
-
-    /// What a pixel along the row adds to `per_bearing` and `per_inverse_depth` of [`residual`](Self::residual).
-    pub(super) fn change_along_row<S: Scalar<Near = N>>(&self, normals: &Normals<S>) -> [N; 2] {
-        self.per_place(&normals.down_per_px, &normals.lean_per_px)
-    }
 }
 
 impl<S: Scalar> Normals<S> {
-    /// Against [`Unknowns::NOTHING`].
+    /// Against [`Unknowns::NOTHING`], as if it were so at every column.
     pub(super) fn residual_of_nothing(&self) -> Residual<S> {
         let Self { down, lean, down_per_px, units, .. } = self;
         Residual {
@@ -139,6 +136,7 @@ impl<S: Scalar> Normals<S> {
             per_bearing: down.x,
             per_inverse_depth: -down.moved,
             per_tilt: lean.z,
+            change_along_row: [S::Near::ZERO; 2],
             units: *units,
             exponent: units.ray(),
         }
