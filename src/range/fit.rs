@@ -155,8 +155,9 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
         if self.first_without_far_samples()? {
             return self.settle_best();
         }
+        // No straight edge: how it departs from one tells the sigmas that its place is sought with.
         let first = self.last.found;
-        self.settle(&first)
+        self.tell_roughly(&first)
     }
 
     /// With the sigmas that the residuals call for; the priors stay as they are.

@@ -115,7 +115,9 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             let kept = self.equations.observed.iter_mut().zip(scales.iter_mut()).zip(&self.observations);
             for ((equation, scale), _) in kept.filter(|(_, observation)| observation.normals.is_inlier) {
                 let deviation = equation.deviation::<S>(units).abs() * *scale;
-                let next = deviation.max(S::ratio(1, 4)).min(S::from_i32(10_000)).sqrt();
+                // The root of the deviation, but of a quarter where that is smaller.
+                let is_small = !(deviation > S::ratio(1, 4));
+                let next = if is_small { S::ratio(1, 2) } else { deviation.min(S::from_i32(10_000)).sqrt() };
                 let factor = *scale / next;
                 has_settled = has_settled && (factor - S::ONE).abs() < least_change;
                 *equation = equation.near_scaled(factor.factor(0));

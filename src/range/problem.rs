@@ -291,11 +291,13 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
         change * change * over(solution.information_of_inverse_depth())
     }
 
-    /// Rounds from a start until they converge. What does not is no straight edge; one round tells roughly where it is.
+    /// Rounds from a start until they converge. What does not is no straight edge.
     pub(super) fn settle(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
-        if self.converge(start) {
-            return Ok(());
-        }
+        if self.converge(start) { Ok(()) } else { self.tell_roughly(start) }
+    }
+
+    /// One round, which tells roughly where something is.
+    pub(super) fn tell_roughly(&mut self, start: &Unknowns<S>) -> Result<(), FitError> {
         self.round(start, Round::Later)?;
         // This round may have moved it far; rounding alone moves it by parts of a sigma.
         self.last.has_settled = self.last.solution.step_squared() < S::ONE;
@@ -315,6 +317,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
             return self.settle(&found);
         }
         last.is_in_front &= last.found.inverse_depth > S::ZERO;
+        last.has_settled = true;
         Ok(())
     }
 

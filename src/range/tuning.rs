@@ -81,8 +81,8 @@ pub(super) const MOST_REJECTIONS: usize = 4;
 /// absolute deviations; more would make the worst line dearer and nothing better.
 pub(super) const REWEIGHTING_ROUNDS: usize = 12;
 
-/// A round of reweighting that changes no weight by more than this part is the last: 1/20 of a scale, which is a tenth
-/// of its deviation.
+/// The rounds of reweighting end where no scale would change by more than this part: 1/20, which is a tenth of its
+/// deviation.
 pub(super) const REWEIGHTED_PART: i32 = 20;
 
 /// A line of pixels may scatter by so many of its sigmas for each length of roughness, and by as many as this in any case:
