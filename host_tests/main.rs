@@ -37,6 +37,7 @@ mod minima;
 mod monte_carlo;
 mod newcomers;
 mod outliers;
+mod painted;
 mod plan;
 mod post;
 mod projection;

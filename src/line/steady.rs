@@ -83,11 +83,11 @@ fn locate_between<P: Pixels, const LINES: usize, const KNOTS: usize>(
     row: &PixelRow<'_, P>,
 ) -> Option<bool> {
     let place = *table.under_way().get(index)?;
-    let own = table.track(place).filter(|track| track.goes_on_in(at.row))?.line.first.polarity;
+    let own = table.track(place).filter(|track| track.goes_on_in(at.row))?.line.last.polarity;
     // One of the same polarity may be a fragment of the same edge.
     let is_edge = |index: Option<usize>| {
         let beside = index.and_then(|index| table.track(*table.under_way().get(index)?));
-        beside.is_none_or(|track| track.state == State::Confirmed && track.line.first.polarity != own)
+        beside.is_none_or(|track| track.state == State::Confirmed && track.line.last.polarity != own)
     };
     let are_edges = [is_edge(index.checked_sub(1)), is_edge(index.checked_add(1))];
     table.track_mut(place)?.locate_between(at, row, around, are_edges, limits)

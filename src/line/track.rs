@@ -5,8 +5,8 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    GATE_POINTS, LEAST_STITCH_POINTS, LEAST_TURN_ROWS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_OFF_Q16,
-    MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
+    GATE_POINTS, LEAST_STITCH_POINTS, LEAST_TURN_ROWS, MAX_GATE_Q16, MOST_FLIP_ROWS, MOST_GUESSED_ROWS,
+    MOST_STITCH_OFF_Q16, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
 use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
@@ -193,7 +193,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
         self.state == State::Confirmed
             && goes_on
             && point.time_ns >= last.time_ns
-            && point.polarity == first.polarity
+            && point.polarity == last.polarity
             && !self.line.is_beside_texture
     }
 
@@ -340,7 +340,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
             sigma_q16: self.stated_sigma_q16(found.sigma_q16.max(off_q16 / 2).min(EdgePoint::MAX_SIGMA_Q16)),
             row: at.row,
             width_q8: found.width_q8,
-            polarity: self.line.first().polarity,
+            polarity: self.line.last().polarity,
         };
         self.take(point, limits)
     }
@@ -378,10 +378,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// How far off this hidden line a young one goes on, if it may be the same edge: soon, where it is expected, and as
-    /// steep as far as its edges tell, if they are as noisy as this line's.
+    /// steep as far as its edges tell, if they are as noisy as this line's; with another polarity only at once, as that of a
+    /// painted pole changes.
     pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u32> {
         let (mine, theirs) = (&self.line, &young.line);
-        if self.state != State::Hidden || mine.first().polarity != theirs.first().polarity {
+        if self.state != State::Hidden {
             return None;
         }
         let prediction = self.predict(theirs.last().row, limits);
@@ -398,8 +399,17 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let is_in_line = off_q16 <= prediction.gate_q16.min(MOST_STITCH_OFF_Q16)
             && turn_q16 <= most_turn_q16
             && parted_q16 <= u64::from(MOST_STITCH_OFF_Q16);
-        let goes_on = is_in_line && hidden_rows <= mine.points() && mine.prominence.is_like(&theirs.prominence);
-        goes_on.then_some(off_q16)
+        let goes_on = if self.has_polarity_of(young) {
+            hidden_rows <= mine.points() && mine.prominence.is_like(&theirs.prominence)
+        } else {
+            hidden_rows <= MOST_FLIP_ROWS && !mine.is_beside_texture && !theirs.is_beside_texture
+        };
+        (is_in_line && goes_on).then_some(off_q16)
+    }
+
+    /// Whether a line that follows it is dark and bright on the same sides.
+    fn has_polarity_of(&self, later: &Self) -> bool {
+        self.line.last().polarity == later.line.first().polarity
     }
 
     /// Goes on as a young line does.
@@ -408,8 +418,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
         if self.line.is_beside_texture {
             later.raise_sigmas(self.stated_sigma_q16(young.scatter_sigma_q16()));
         }
+        let is_as_before = self.has_polarity_of(young);
         if self.line.append(&later).is_err() {
             return false;
+        }
+        if !is_as_before {
+            self.model.clone_from(&young.model);
         }
         self.filter.column_q16 = young.filter.column_q16;
         self.missed_rows = 0;

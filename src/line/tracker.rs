@@ -275,7 +275,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
                     prediction,
                     blur_q16: track.blur_q16(),
                     slot: *place,
-                    polarity: track.line.first().polarity,
+                    polarity: track.line.last().polarity,
                     role,
                 });
             }

@@ -66,6 +66,10 @@ pub(super) const LEAST_MEMORY_POINTS: u32 = 16;
 /// (`frames::a_line_goes_on_behind_a_rail`).
 pub(super) const MOST_GUESSED_ROWS: u16 = 4;
 
+/// A line goes on where its polarity has changed, as along a pole painted red and white, only after so many rows: blur
+/// hides the edge for two (`painted` with fewer, `false_distances::of_clutter` with more).
+pub(super) const MOST_FLIP_ROWS: u16 = 4;
+
 /// Where there is no room to stitch, a hidden line is looked for in every so many rows: they are most lines of a full
 /// table (`cargo xtask budget --use clutter`, `frames::a_line_goes_on_behind_a_rail_when_the_table_is_full`).
 pub(super) const HIDDEN_ROWS: u16 = 4;
