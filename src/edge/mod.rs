@@ -33,6 +33,7 @@ pub(crate) use model::EdgeModel;
 pub(crate) use pixel_row::PixelRow;
 pub use point::{EdgePoint, Polarity};
 pub(crate) use refine::LocatedPoint;
+pub(crate) use root::root;
 pub use scan::Scanner;
 pub use scanned_point::ScannedPoint;
 pub(crate) use spread_function::SpreadFunction;

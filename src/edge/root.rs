@@ -1,7 +1,7 @@
 //! [`root`]: a square root that is good enough for a sigma or a width, without a division.
 
 /// To 0.11 %, and to the nearest; one for zero.
-pub(super) const fn root(value: u32) -> u32 {
+pub(crate) const fn root(value: u32) -> u32 {
     // Between a quarter and one: the cubic that is least off the root there, by as much to either side.
     let halvings = (value | 1).leading_zeros() / 2;
     let part_q16 = (value << (2 * halvings)) >> 16;

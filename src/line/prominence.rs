@@ -3,9 +3,9 @@
 use super::halo::Halo;
 use super::tuning::{
     AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, GAUSSIAN_VARIANCE_Q16, HALO_SIGMAS_Q1, LEAST_CHANGES,
-    LEAST_VARIANCE_Q16, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, SHARE_SIGMAS_Q4, TAIL_ROWS,
+    LEAST_VARIANCE_Q16, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, SHARE_SIGMAS_Q8, TAIL_ROWS,
 };
-use crate::edge::{EdgePoint, PixelRow, Polarity};
+use crate::edge::{EdgePoint, PixelRow, Polarity, root};
 use crate::format::Pixels;
 
 /// Contrast along a line, and how much it changes from row to row along parallel lines around.
@@ -66,15 +66,17 @@ impl Prominence {
     /// within two pixels of it: texture on either side adds to both steps alike. `None` where that may be a half, as along
     /// any long slope.
     pub(super) fn most_variance_q16(&self) -> Option<u32> {
-        let along = u64::try_from(self.along).ok()?;
-        let share_q12 = (u64::try_from(self.near).ok()? << 13).checked_div(along)?;
+        let rows = u32::from(self.rows);
+        // They fit: of 65535 rows each has at most 1020 levels.
+        let mean_q4 = |sum: i32| (u32::try_from(sum).ok()? << 4).checked_div(rows);
+        let step_q4 = mean_q4(self.along)?;
+        let share_q12 = (mean_q4(self.near)? << 13).checked_div(step_q4)?;
         // A look has this deviation, and every second one errs alike, as a share of the mean step.
-        let sigma_q8 = (self.sigma_q8() * u64::from(self.rows)).checked_div(along)?;
-        let sigma_q12 = (sigma_q8 * SHARE_SIGMAS_Q4).checked_div(u64::from(self.rows).isqrt())?;
+        let sigma_q12 = ((self.sigma_q8() as u32) * SHARE_SIGMAS_Q8).checked_div(step_q4 * root(rows))?;
         let least_q12 = share_q12.saturating_sub(sigma_q12).min(1 << 12);
         let beyond_half_q12 = least_q12.checked_sub(1 << 11)?;
         let variance_q16 = (((1 << 12) - least_q12) * GAUSSIAN_VARIANCE_Q16).checked_div(beyond_half_q12)?;
-        Some(variance_q16.max(LEAST_VARIANCE_Q16) as u32)
+        Some(variance_q16.max(LEAST_VARIANCE_Q16))
     }
 
     /// How far the levels overshoot beside the edge in the mean, as a share of its contrast times a pixel, in 1/65536;

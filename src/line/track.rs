@@ -8,7 +8,7 @@ use super::tuning::{
     GATE_POINTS, LEAST_STITCH_POINTS, LEAST_TURN_ROWS, MAX_GATE_Q16, MOST_FLIP_ROWS, MOST_GUESSED_ROWS,
     MOST_STITCH_OFF_Q16, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
 };
-use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked};
+use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked, root};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -387,18 +387,19 @@ impl<const KNOTS: usize> Track<KNOTS> {
         }
         let prediction = self.predict(theirs.last().row, limits);
         let off_q16 = young.filter.column_q16.abs_diff(prediction.column_q16);
-        let turn_q16 = u64::from(self.filter.slope_q16.abs_diff(young.filter.slope_q16));
+        let turn_q16 = self.filter.slope_q16.abs_diff(young.filter.slope_q16);
         // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be
         // noisier.
-        let points = u64::from(theirs.points().max(1));
+        let points = u32::from(theirs.points().clamp(1, MOST_STITCH_POINTS));
         let theirs_q16 = if self.line.is_beside_texture { young.filter.scatter_q16 } else { 0 };
-        let scatter_q16 = u64::from(self.filter.scatter_q16.max(theirs_q16));
-        let most_turn_q16 = NO_TURN_Q16 + 18 * scatter_q16 / (points * points * points).isqrt().max(1);
+        let scatter_q16 = u32::from(self.filter.scatter_q16.max(theirs_q16));
+        let of_scatter_q16 = (18 * scatter_q16).checked_div(root(points * points * points));
+        let most_turn_q16 = NO_TURN_Q16 + of_scatter_q16.unwrap_or(0);
         let hidden_rows = theirs.first().row.abs_diff(mine.last().row);
-        let parted_q16 = turn_q16 * u64::from(hidden_rows.max(LEAST_TURN_ROWS));
+        let parted_q16 = turn_q16.saturating_mul(hidden_rows.max(LEAST_TURN_ROWS).into());
         let is_in_line = off_q16 <= prediction.gate_q16.min(MOST_STITCH_OFF_Q16)
             && turn_q16 <= most_turn_q16
-            && parted_q16 <= u64::from(MOST_STITCH_OFF_Q16);
+            && parted_q16 <= MOST_STITCH_OFF_Q16;
         let goes_on = if self.has_polarity_of(young) {
             hidden_rows <= mine.points() && mine.prominence.is_like(&theirs.prominence)
         } else {

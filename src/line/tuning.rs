@@ -17,18 +17,18 @@ pub(super) const TAIL_ROWS: u64 = 40;
 pub(super) const HALO_SIGMAS_Q1: u64 = 4;
 
 /// How far the share of a step that lies within two pixels of an edge may be off in a look, in deviations of a step, in
-/// 1/16: three sigma of texture, which moves the share by a third of what it adds to the step, and is alike in two looks
+/// 1/256: three sigma of texture, which moves the share by a third of what it adds to the step, and is alike in two looks
 /// (`false_distances::of_clutter` with twice as much).
-pub(super) const SHARE_SIGMAS_Q4: u64 = 20;
+pub(super) const SHARE_SIGMAS_Q8: u32 = 320;
 
 /// A Gaussian's variance, in 1/65536 square pixel, times what of that share is beyond a half, over what is below one: to
 /// 3 % from 0.8 to 2.5 px. A box of the same variance leaves less of the step near
 /// (`line::prominence::tests::the_blur_is_no_longer_than_that`).
-pub(super) const GAUSSIAN_VARIANCE_Q16: u64 = 72_090;
+pub(super) const GAUSSIAN_VARIANCE_Q16: u32 = 72_090;
 
 /// Least variance of a blur that is told from it, in 1/65536 square pixel: sharpening, too, makes steps steep
 /// (`real_cameras::sharpened_3x3` with a quarter of it).
-pub(super) const LEAST_VARIANCE_Q16: u64 = 1 << 16;
+pub(super) const LEAST_VARIANCE_Q16: u32 = 1 << 16;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
 /// (`clutter::crossing_bars_lead_no_line_astray`).
@@ -86,7 +86,7 @@ pub(super) const MOST_STITCH_OFF_Q16: u32 = 2 << 16;
 pub(super) const LEAST_TURN_ROWS: u16 = 16;
 
 /// A slope's difference that is no turn, in 1/65536 px per row (`frames::a_line_goes_on_behind_a_rail`).
-pub(super) const NO_TURN_Q16: u64 = 1 << 10;
+pub(super) const NO_TURN_Q16: u32 = 1 << 10;
 
 /// Points in succession that the model has not located, after which it is made anew: it was made from something else
 /// (`frames::bars_are_found_through_long_motion_blur`).

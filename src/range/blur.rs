@@ -181,15 +181,15 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let [longer, shorter] = [longer, shorter].map(|path| self.per_px2(&path));
         let most = |sigmas, sigma_ln, per_px2| self.joint(sigma_ln, per_px2) * S::from_i32(sigmas);
         // Of most all of this is plain without a logarithm.
-        let is_as_wide = |variance_px2: S, sigma_ln: S| {
+        let is_as_wide = |(variance_px2, sigma_ln): (S, S)| {
             let part = variance_px2 * shorter;
             part >= S::ONE || ln(part) >= -most(MOST_SIGMAS_NARROWER, sigma_ln, shorter)
         };
+        let measured = (self.measured_px2, self.sigma_narrow_ln);
+        let seen = self.most_px2.map_or(measured, |most_px2| (most_px2, self.sigma_narrowed_ln));
         let softer = || S::ratio(LN_SOFTER.0, LN_SOFTER.1) + most(MOST_SIGMAS_WIDER, self.sigma_ln, longer);
         let is_no_wider = || self.measured_px2 * longer <= S::ONE || self.excess_ln(longer) <= softer();
-        self.most_px2.is_none_or(|most_px2| is_as_wide(most_px2, self.sigma_narrowed_ln))
-            && is_as_wide(self.measured_px2, self.sigma_narrow_ln)
-            && (!self.is_measured || is_no_wider())
+        [measured, seen].into_iter().all(is_as_wide) && (!self.is_measured || is_no_wider())
     }
 
     /// What is left of the measured variance for the lens, given the path and how well it is known.
