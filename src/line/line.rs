@@ -203,10 +203,11 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.prominence.overshoot_q16()
     }
 
-    /// The most that the variance of its blur can be, in 1/65536 square pixel, as the pixels around it show it; `None` where
-    /// they do not, and for a line of points that were handed over.
-    pub(crate) fn most_variance_q16(&self) -> Option<u32> {
-        self.prominence.most_variance_q16()
+    /// The most that the variance of its blur can be, in 1/65536 square pixel, as the pixels around it show it, where widths
+    /// are no measure of it: beside texture, or where most of its points have none. `None` elsewhere, and for a line of
+    /// points that were handed over.
+    pub(crate) fn most_variance_q16(&self, has_widths: bool) -> Option<u32> {
+        if has_widths && !self.is_beside_texture { None } else { self.prominence.most_variance_q16() }
     }
 
     /// Mean contrast in grey levels, whatever its polarity; zero for a line of points that were handed over.

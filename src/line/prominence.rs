@@ -3,7 +3,8 @@
 use super::halo::Halo;
 use super::tuning::{
     AROUND_PX, CHANCE_SCATTER_Q32, CHANCE_SIGMAS_Q1, GAUSSIAN_VARIANCE_Q16, HALO_SIGMAS_Q1, LEAST_CHANGES,
-    LEAST_VARIANCE_Q16, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, SHARE_SIGMAS_Q8, TAIL_ROWS,
+    LEAST_SHARE_Q12, LEAST_VARIANCE_Q16, LIKE_PARTS, LOOK_PLACES, LOOK_ROWS, ROWS_ALIKE_IN_TEXTURE, SHARE_SIGMAS_Q8,
+    TAIL_ROWS,
 };
 use crate::edge::{EdgePoint, PixelRow, Polarity, root};
 use crate::format::Pixels;
@@ -63,8 +64,8 @@ impl Prominence {
     }
 
     /// The most that the variance of the edge's blur can be, in 1/65536 square pixel, given the share of its step that lies
-    /// within two pixels of it: texture on either side adds to both steps alike. `None` where that may be a half, as along
-    /// any long slope.
+    /// within two pixels of it: texture on either side adds to both steps alike. `None` where that may be little more than
+    /// a half, as along any long slope.
     pub(super) fn most_variance_q16(&self) -> Option<u32> {
         let rows = u32::from(self.rows);
         // They fit: of 65535 rows each has at most 1020 levels.
@@ -74,9 +75,11 @@ impl Prominence {
         // A look has this deviation, and every second one errs alike, as a share of the mean step.
         let sigma_q12 = ((self.sigma_q8() as u32) * SHARE_SIGMAS_Q8).checked_div(step_q4 * root(rows))?;
         let least_q12 = share_q12.saturating_sub(sigma_q12).min(1 << 12);
-        let beyond_half_q12 = least_q12.checked_sub(1 << 11)?;
-        let variance_q16 = (((1 << 12) - least_q12) * GAUSSIAN_VARIANCE_Q16).checked_div(beyond_half_q12)?;
-        Some(variance_q16.max(LEAST_VARIANCE_Q16))
+        if least_q12 < LEAST_SHARE_Q12 {
+            return None;
+        }
+        let of_gaussian_q16 = ((1 << 12) - least_q12) * GAUSSIAN_VARIANCE_Q16;
+        Some(of_gaussian_q16.checked_div(least_q12 - (1 << 11))?.max(LEAST_VARIANCE_Q16))
     }
 
     /// How far the levels overshoot beside the edge in the mean, as a share of its contrast times a pixel, in 1/65536;
@@ -288,14 +291,15 @@ mod tests {
     /// of a long slope.
     #[test]
     fn the_blur_is_no_longer_than_that() {
-        for blur_px in [0.5, 0.8, 1.0, 1.3, 1.6, 2.0] {
+        for blur_px in [0.5, 0.8, 1.0, 1.3, 1.6] {
             let plain = most_blur_px(blur_px, |_| [60; COLUMNS]).unwrap_or(f64::NAN);
             let beside_texture = most_blur_px(blur_px, |row| texture(row, 12, 60)).unwrap_or(f64::NAN);
             assert!((1.0..1.2).contains(&(plain / blur_px.max(1.0))), "{blur_px}: {plain}");
             assert!((1.0..1.7).contains(&(beside_texture / blur_px.max(1.0))), "{blur_px}: {beside_texture}");
         }
-        let of_slope = |row: u16| core::array::from_fn(|column| 2 * column as u8 / 2 + (row % 2) as u8);
-        assert!(most_blur_px(20.0, of_slope).is_none_or(|most_px| most_px > 4.0));
+        for blur_px in [2.6, 4.0, 20.0] {
+            assert_eq!(most_blur_px(blur_px, |_| [60; COLUMNS]), None, "{blur_px}");
+        }
         assert_eq!(Prominence::default().most_variance_q16(), None);
     }
 

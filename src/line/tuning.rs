@@ -26,6 +26,10 @@ pub(super) const SHARE_SIGMAS_Q8: u32 = 320;
 /// (`line::prominence::tests::the_blur_is_no_longer_than_that`).
 pub(super) const GAUSSIAN_VARIANCE_Q16: u32 = 72_090;
 
+/// Below this share, in 1/4096, nothing is told: rounding and levels that are not linear make as much of a long slope
+/// (`line::prominence::tests::the_blur_is_no_longer_than_that`).
+pub(super) const LEAST_SHARE_Q12: u32 = 2376;
+
 /// Least variance of a blur that is told from it, in 1/65536 square pixel: sharpening, too, makes steps steep
 /// (`real_cameras::sharpened_3x3` with a quarter of it).
 pub(super) const LEAST_VARIANCE_Q16: u32 = 1 << 16;

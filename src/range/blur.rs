@@ -96,7 +96,7 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         line: &Line<KNOTS>,
     ) -> Option<Self> {
         let (blur, mean_px) = (setup.motion_blur()?, line.mean_width_px::<S>());
-        let most_px2 = line.most_variance_q16().map(|q16| S::from_ratio(q16.into(), 1 << 16));
+        let most_px2 = line.most_variance_q16(mean_px.is_some()).map(|q16| S::from_ratio(q16.into(), 1 << 16));
         let width_px = mean_px.or_else(|| most_px2.map(S::sqrt))?;
         let axes = Line3::start(motion.gravity());
         let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
