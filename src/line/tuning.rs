@@ -21,8 +21,8 @@ pub(super) const HALO_SIGMAS_Q1: u64 = 4;
 /// (`false_distances::of_clutter` with twice as much).
 pub(super) const SHARE_SIGMAS_Q8: u32 = 320;
 
-/// A Gaussian's variance, in 1/65536 square pixel, times what of that share is beyond a half, over what is below one: to
-/// 3 % from 0.8 to 2.5 px. A box of the same variance leaves less of the step near
+/// A Gaussian's variance, in 1/65536 square pixel, times what of that share is beyond a half, over what it lacks of one;
+/// its deviation so follows to 3 % from 0.8 to 2.5 px. A box of the same variance leaves less of the step near
 /// (`line::prominence::tests::the_blur_is_no_longer_than_that`).
 pub(super) const GAUSSIAN_VARIANCE_Q16: u32 = 72_090;
 
@@ -31,7 +31,7 @@ pub(super) const GAUSSIAN_VARIANCE_Q16: u32 = 72_090;
 pub(super) const LEAST_SHARE_Q12: u32 = 2376;
 
 /// Least variance of a blur that is told from it, in 1/65536 square pixel: sharpening, too, makes steps steep
-/// (`real_cameras::sharpened_3x3` with a quarter of it).
+/// (`line::prominence::tests::the_blur_is_no_longer_than_that`).
 pub(super) const LEAST_VARIANCE_Q16: u32 = 1 << 16;
 
 /// Rows that err alike: blur, levels and rounding are common to some of them
@@ -71,7 +71,7 @@ pub(super) const LEAST_MEMORY_POINTS: u32 = 16;
 pub(super) const MOST_GUESSED_ROWS: u16 = 4;
 
 /// A line goes on where its polarity has changed, as along a pole painted red and white, only after so many rows: blur
-/// hides the edge for two (`painted` with fewer, `false_distances::of_clutter` with more).
+/// hides the edge for two (`painted` with none).
 pub(super) const MOST_FLIP_ROWS: u16 = 4;
 
 /// Where there is no room to stitch, a hidden line is looked for in every so many rows: they are most lines of a full
