@@ -71,7 +71,7 @@ pub(super) const LEAST_MEMORY_POINTS: u32 = 16;
 pub(super) const MOST_GUESSED_ROWS: u16 = 4;
 
 /// A line goes on where its polarity has changed, as along a pole painted red and white, only after so many rows: blur
-/// hides the edge for two (`painted` with none).
+/// hides the edge for two (`painted` with one).
 pub(super) const MOST_FLIP_ROWS: u16 = 4;
 
 /// Where there is no room to stitch, a hidden line is looked for in every so many rows: they are most lines of a full
