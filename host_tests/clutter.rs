@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture, Truth};
 use shutter_range::{MotionBlur, Range, RangeStatus, Ranger, Response, Uncertainty};
 
-use crate::frames::{SmallRanger, TOP, errors, moving, ranges_of, render};
+use crate::rendered::{SmallRanger, TOP, errors, moving, ranges_of, render};
 use crate::scenes::{TENTH_DEGREE, tilt_of};
 
 const FRAMES: u64 = 40;

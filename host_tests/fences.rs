@@ -4,7 +4,7 @@
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture};
 use shutter_range::{Polarity, RangeStatus, Ranger, Uncertainty};
 
-use crate::frames::{Frame, TOP, moving, ranges_of, render};
+use crate::rendered::{Frame, TOP, moving, ranges_of, render};
 
 const ROWS: f64 = 240.0;
 const COLUMNS: f64 = 320.0;

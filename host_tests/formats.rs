@@ -4,7 +4,7 @@ use shutter_range::format::{Bayer, ByteOrder, PixelFormat, Pixels, Raw10, Rgb565
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Tint};
 use shutter_range::{BoardRanger, RangeStatus, ReadoutDirection, RowError, Scanner, Setup, Uncertainty};
 
-use crate::frames::{COLUMNS, ROWS, moving};
+use crate::rendered::{COLUMNS, ROWS, moving};
 
 fn levels(pixels: impl Pixels) -> Vec<u16> {
     (0..pixels.columns()).map(|column| pixels.level_q8(column)).collect()

@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene};
 use shutter_range::{Ranger, RowError, Setup, Uncertainty};
 
-use crate::frames::{Frame, ROWS, TOP, moving, render};
+use crate::rendered::{Frame, ROWS, TOP, moving, render};
 
 /// Time of a row, as [`moving`] has it.
 const ROW_S: f64 = 1.0 / 30.0 / 240.0;

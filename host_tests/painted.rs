@@ -4,7 +4,7 @@
 use shutter_range::sim::{Background, Bar, Exposure, Scene};
 use shutter_range::{Polarity, RangeStatus, Ranger, Uncertainty};
 
-use crate::frames::{MOST_SIGMAS, TOP, moving, ranges_of, render};
+use crate::rendered::{MOST_SIGMAS, TOP, moving, ranges_of, render};
 
 const FOCAL_PX: f32 = 300.0;
 const ROWS: f32 = 240.0;

@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture, Truth};
 use shutter_range::{Counters, Range, RangeStatus, Ranger, Uncertainty};
 
-use crate::frames::{Frame, TOP, errors, moving, ranges_of, render};
+use crate::rendered::{Frame, TOP, errors, moving, ranges_of, render};
 
 const FRAMES: u64 = 12;
 const POSTS: usize = 8;

@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene};
 use shutter_range::{Range, RangeStatus, Ranger, Uncertainty};
 
-use crate::frames::{SmallRanger, TOP, errors, moving, ranges_of, render};
+use crate::rendered::{SmallRanger, TOP, errors, moving, ranges_of, render};
 
 /// An upright post stands on a leaning one: their left sides meet in the middle row.
 fn turning(lean: f32, depth_m: f32) -> Scene<2> {

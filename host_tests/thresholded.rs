@@ -3,7 +3,7 @@
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Truth};
 use shutter_range::{Range, RangeStatus, Ranger, Uncertainty};
 
-use crate::frames::{Frame, ROWS, TOP, errors, moving, ranges_of, render};
+use crate::rendered::{Frame, ROWS, TOP, errors, moving, ranges_of, render};
 use crate::scenes::{TENTH_DEGREE, tilt_of};
 
 const SPEEDS_M_S: [f64; 4] = [-2.5, -0.8, 0.8, 2.5];

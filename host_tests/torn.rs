@@ -4,7 +4,7 @@
 use shutter_range::sim::Exposure;
 use shutter_range::{ReadoutDirection, RowError, Setup, Uncertainty};
 
-use crate::frames::{COLUMNS, Frame, ROWS, SmallRanger, TOP, assert_found, moving, post, ranges_of, render};
+use crate::rendered::{COLUMNS, Frame, ROWS, SmallRanger, TOP, assert_found, moving, post, ranges_of, render};
 
 /// A whole frame; then one that `tear` tears, which yields nothing; then again a whole one.
 fn assert_recovers(name: &str, direction: ReadoutDirection, tear: impl Fn(&mut SmallRanger, &Setup<f32>, &Frame)) {
