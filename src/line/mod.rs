@@ -10,6 +10,7 @@ mod split;
 mod association;
 mod filter;
 mod track;
+mod continuation;
 mod table;
 mod stitch;
 mod jump;

@@ -5,10 +5,10 @@ use super::filter::{Filter, Memory};
 use super::line::Line;
 use super::prominence::Around;
 use super::tuning::{
-    GATE_POINTS, LEAST_STITCH_POINTS, LEAST_TURN_ROWS, MAX_GATE_Q16, MOST_FLIP_ROWS, MOST_GUESSED_ROWS,
-    MOST_STITCH_OFF_Q16, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, NO_TURN_Q16, SCATTER_POINTS, YOUNG_POINTS,
+    GATE_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, SCATTER_POINTS,
+    YOUNG_POINTS,
 };
-use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked, root};
+use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -21,7 +21,7 @@ pub(crate) struct Track<const KNOTS: usize> {
     pub(super) filter: Filter,
     /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
-    missed_rows: u16,
+    pub(super) missed_rows: u16,
     /// Points since the last one that the model has located.
     unexpected_points: u8,
     around: Around,
@@ -136,12 +136,12 @@ impl<const KNOTS: usize> Track<KNOTS> {
 
     /// What sigma of an edge to state: beside texture no less than the edges scatter. What they have in common with the
     /// rows around them the residuals of the fit will show.
-    fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
+    pub(super) fn stated_sigma_q16(&self, sigma_q16: u32) -> u32 {
         if self.line.is_beside_texture { sigma_q16.max(self.scatter_sigma_q16()) } else { sigma_q16 }
     }
 
     /// One sigma of normal values is 5/4 of their mean size.
-    fn scatter_sigma_q16(&self) -> u32 {
+    pub(super) fn scatter_sigma_q16(&self) -> u32 {
         u32::from(self.filter.scatter_q16) * 5 / 4
     }
 
@@ -370,66 +370,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
     pub(super) fn is_young(&self) -> bool {
         const MOST: u16 = if YOUNG_POINTS > MOST_STITCH_POINTS { YOUNG_POINTS } else { MOST_STITCH_POINTS };
         self.state == State::Confirmed && self.line.points() <= MOST
-    }
-
-    /// Whether the line is so short that it may continue a hidden one, and long enough for its slope to be known.
-    pub(crate) fn is_stitchable(&self) -> bool {
-        self.state == State::Confirmed && (LEAST_STITCH_POINTS..=MOST_STITCH_POINTS).contains(&self.line.points())
-    }
-
-    /// How far off this hidden line a young one goes on, if it may be the same edge: soon, where it is expected, and as
-    /// steep as far as its edges tell, if they are as noisy as this line's; with another polarity only at once, as that of a
-    /// painted pole changes.
-    pub(crate) fn stitch_distance(&self, young: &Self, limits: &Limits) -> Option<u32> {
-        let (mine, theirs) = (&self.line, &young.line);
-        if self.state != State::Hidden {
-            return None;
-        }
-        let prediction = self.predict(theirs.last().row, limits);
-        let off_q16 = young.filter.column_q16.abs_diff(prediction.column_q16);
-        let turn_q16 = self.filter.slope_q16.abs_diff(young.filter.slope_q16);
-        // Four sigma of the slope of n edges, each √(12/n³) of an edge's; beside texture the young line's may be
-        // noisier.
-        let points = u32::from(theirs.points().clamp(1, MOST_STITCH_POINTS));
-        let theirs_q16 = if self.line.is_beside_texture { young.filter.scatter_q16 } else { 0 };
-        let scatter_q16 = u32::from(self.filter.scatter_q16.max(theirs_q16));
-        let of_scatter_q16 = (18 * scatter_q16).checked_div(root(points * points * points));
-        let most_turn_q16 = NO_TURN_Q16 + of_scatter_q16.unwrap_or(0);
-        let hidden_rows = theirs.first().row.abs_diff(mine.last().row);
-        let parted_q16 = turn_q16.saturating_mul(hidden_rows.max(LEAST_TURN_ROWS).into());
-        let is_in_line = off_q16 <= prediction.gate_q16.min(MOST_STITCH_OFF_Q16)
-            && turn_q16 <= most_turn_q16
-            && parted_q16 <= MOST_STITCH_OFF_Q16;
-        let goes_on = if self.has_polarity_of(young) {
-            hidden_rows <= mine.points() && mine.prominence.is_like(&theirs.prominence)
-        } else {
-            hidden_rows <= MOST_FLIP_ROWS && !mine.is_beside_texture && !theirs.is_beside_texture
-        };
-        (is_in_line && goes_on).then_some(off_q16)
-    }
-
-    /// Whether a line that follows it is dark and bright on the same sides.
-    fn has_polarity_of(&self, later: &Self) -> bool {
-        self.line.last().polarity == later.line.first().polarity
-    }
-
-    /// Goes on as a young line does.
-    pub(crate) fn append_stitched(&mut self, young: &Self) -> bool {
-        let mut later = young.line.clone();
-        if self.line.is_beside_texture {
-            later.raise_sigmas(self.stated_sigma_q16(young.scatter_sigma_q16()));
-        }
-        let is_as_before = self.has_polarity_of(young);
-        if self.line.append(&later).is_err() {
-            return false;
-        }
-        if !is_as_before {
-            self.model.clone_from(&young.model);
-        }
-        self.filter.column_q16 = young.filter.column_q16;
-        self.missed_rows = 0;
-        self.state = State::Confirmed;
-        true
     }
 }
 

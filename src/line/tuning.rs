@@ -85,7 +85,7 @@ pub(super) const MOST_STITCH_POINTS: u16 = 32;
 
 /// However noisy the edges are, what goes on is no farther off than this, in 1/65536 px, and its slope parts from the
 /// older line's by no more over the rows between them, or over so many where these are fewer: beyond it some edge is
-/// always found in a busy scene (`line::stitch::tests::what_is_beside_or_turned_is_another_edge`).
+/// always found in a busy scene (`line::continuation::tests::what_is_beside_or_turned_is_another_edge`).
 pub(super) const MOST_STITCH_OFF_Q16: u32 = 2 << 16;
 pub(super) const LEAST_TURN_ROWS: u16 = 16;
 

@@ -8,6 +8,7 @@ mod line_observation;
 mod gate;
 mod landmark;
 mod landmark_table;
+mod blend;
 mod continuity;
 mod time_shift;
 mod sequence;

@@ -1,5 +1,6 @@
 //! [`Sequence`]: edges that are continued from frame to frame.
 
+use super::blend::Blend;
 use super::continuity::{Census, Continuity};
 use super::extent::Extent;
 use super::landmark::{Evidence, Landmark, UnsureTime, is_informative, may_begin};
@@ -7,12 +8,12 @@ use super::landmark_table::LandmarkTable;
 use super::line_observation::LineObservation;
 use super::propagation::FrameTransition;
 use super::time_shift::{TimeShift, Vote};
-use super::tuning::{CHANCE_EDGES, CLEAR_TIMES, LEAST_SAMPLES, NEAR_PX};
+use super::tuning::{CHANCE_EDGES, CLEAR_TIMES};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
 use crate::line::Line;
 use crate::motion::{Motion, Pose, check_next_frame, checked_direction};
-use crate::range::{Observer, Range, RangeStatus, RowPlane, SampleSet};
+use crate::range::{Range, RangeStatus, SampleSet};
 use crate::ranger::Ranger;
 use crate::scalar::Scalar;
 use crate::setup::Setup;
@@ -284,7 +285,7 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         line: &Line<KNOTS>,
     ) -> Range<S> {
         let most_chance = S::ratio(CHANCE_EDGES, i32::from(self.lines.max(1)));
-        let Some((columns_px, blend)) = self.blend(setup, motion, place, line) else {
+        let Some((columns_px, blend)) = Blend::of(setup, motion, &mut self.landmarks, place, line) else {
             return Range::from_line(setup, motion, line);
         };
         let has_line = |landmark: &&mut Landmark<S>| landmark.is_matched_by(place);
@@ -306,46 +307,6 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         };
         let is_doubtful = self.interval_is_shown && landmark.may_be_chance(most_chance);
         landmark.name(range, most_chance, time_is_unsure || is_doubtful)
-    }
-
-    /// The columns of a line, and which of its samples lie so near to a known edge at another depth that the two blend:
-    /// their columns are those of neither. `None` where its ends are no rays.
-    #[inline(never)]
-    fn blend<M: Motion<S>, const KNOTS: usize>(
-        &mut self,
-        setup: &Setup<S>,
-        motion: &M,
-        place: usize,
-        line: &Line<KNOTS>,
-    ) -> Option<([S; 2], Blend)> {
-        let near_px = S::from_i32(NEAR_PX);
-        let axes = self.landmarks.axes(motion);
-        let columns_px = LineObservation::new(setup, motion, &axes, line)?.columns_px;
-        let own = self.landmarks.around(columns_px).find(|landmark| landmark.is_matched_by(place));
-        let own = own.map(|landmark| *landmark);
-        let mut observer = Observer::new(setup.camera(), motion, [axes.gravity, axes.lean]);
-        let mut blend = Blend::default();
-        let (mut left, mut all) = (0, 0);
-        for (place, sample) in line.samples::<S>().enumerate() {
-            all += 1;
-            let Some(seen) = observer.observe(&sample) else { continue };
-            let row = RowPlane::new(motion, &seen);
-            let blends = |landmark: &mut Landmark<S>| {
-                let is_other = match &own {
-                    Some(own) => landmark.id != own.id && landmark.state.is_apart(&own.state),
-                    None => landmark.frames > 1 && landmark.matched.is_some(),
-                };
-                is_other && !landmark.is_tentative() && landmark.is_near(&row, &seen, near_px)
-            };
-            let is_off = own.as_ref().is_some_and(|own| own.is_off(setup, &seen));
-            if is_off || self.landmarks.around(columns_px).any(blends) {
-                blend.samples.insert(place);
-            } else {
-                left += 1;
-            }
-        }
-        blend.is_whole = left < LEAST_SAMPLES || 2 * left < all;
-        Some((columns_px, blend))
     }
 
     /// A line that no landmark predicts becomes one, if there is room.
@@ -389,14 +350,6 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
         let is_told = evidence == Evidence::Enough;
         if is_informative(range.status) { range.named(id, 1, false, !is_told) } else { range }
     }
-}
-
-/// What of a line blends with another edge.
-#[derive(Default)]
-struct Blend {
-    samples: SampleSet,
-    /// Too little is left of the line.
-    is_whole: bool,
 }
 
 impl<S: Scalar, const LANDMARKS: usize> Default for Sequence<S, LANDMARKS> {
