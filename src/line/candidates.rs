@@ -5,6 +5,7 @@ use core::ops::Range;
 use heapless::Vec;
 
 use super::association::Prediction;
+use super::tuning::BESIDE_Q16;
 use crate::edge::{Neighbours, Polarity};
 
 /// A line under way, as predicted for a row.
@@ -17,9 +18,6 @@ pub(super) struct Candidate {
     pub(super) polarity: Polarity,
     pub(super) role: Role,
 }
-
-/// Beyond the gate the windows of the scanner on either side, and the neighbours of the edge there.
-const BESIDE_Q16: u32 = 13 << 16;
 
 /// What the row is to a line.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -213,3 +213,36 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Table;
+    use crate::edge::EdgePoint;
+    use crate::setup::Limits;
+
+    /// Points of the lines that are left of one that turns after 96 rows and ends so many rows later.
+    fn parts_of_one_that_turns(rows_after: u16) -> std::vec::Vec<u16> {
+        let point = |row: u16| {
+            let column_q16 = (300 << 16) + i32::from(row.saturating_sub(96)) * (1 << 15);
+            EdgePoint::new(row, column_q16, i64::from(row) * 30_000)
+        };
+        let mut table: Table<4, 16> = Table::new();
+        assert!(table.begin(point(0), &Limits::DEFAULT));
+        for row in 1..96 + rows_after {
+            let track = table.track_mut(0).expect("the line");
+            assert!(track.take(point(row), &Limits::DEFAULT));
+        }
+        let place = table.leave_out_last().expect("the line");
+        let strays = table.finish(place) + table.split_ended(0);
+        let parts: std::vec::Vec<u16> = core::iter::from_fn(|| table.next_line()).map(|line| line.points()).collect();
+        assert_eq!(u32::from(96 + rows_after), strays + parts.iter().map(|points| u32::from(*points)).sum::<u32>());
+        parts
+    }
+
+    /// But for the knot in which it turns: 22 points are none, 40 are one.
+    #[test]
+    fn short_parts_are_no_lines() {
+        assert_eq!(parts_of_one_that_turns(30), [96]);
+        assert_eq!(parts_of_one_that_turns(56), [40, 96]);
+    }
+}

@@ -47,8 +47,9 @@ pub(super) const ROWS_ALIKE_IN_TEXTURE: u32 = 8;
 pub(super) const AROUND_PX: [i32; 8] = [-8, 12, -16, 20, -24, 28, -32, 36];
 
 /// Later the line and one of the first so many of these places, in turn, are looked at in every so many rows, so that
-/// each place is seen again after 16 rows: texture has changed by then, and other upright edges hardly (`false_distances::of_texture` with fewer, fences
-/// with more). Rows between these are alike in texture (`cargo xtask budget --use "two bars"`).
+/// each place is seen again after 16 rows: texture has changed by then, and other upright edges hardly
+/// (`false_distances::of_texture` with fewer, fences with more). Rows between these are alike in texture
+/// (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_PLACES: usize = 4;
 pub(super) const LOOK_ROWS: u16 = 4;
 
@@ -148,6 +149,10 @@ pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
 
+/// Where no place is free for another line, a row is scanned around those under way: this far beyond their gates, in
+/// 1/65536 px, as far as the scanner's window of an edge reaches, and one beside which it is not read.
+pub(super) const BESIDE_Q16: u32 = 13 << 16;
+
 /// At most so many scanned points are refined in one row, since each costs more than a row of a line: those of other
 /// lines when it is their turn (`frames::short_bars_are_found_in_a_clear_view` with 8); and one
 /// for each line beyond 16, since larger images have more edges.
@@ -182,7 +187,7 @@ pub(super) const MOST_GAP: (u32, u32) = (3, 2);
 
 /// What is straight stays within this of one line, in 1/65536 px, or within one of so many parts of what the whole
 /// departs: more than real edges wander, and less than what would bend a part
-/// (`line::split::tests::straight_parts_wander_but_do_not_bend` with twice as much,
+/// (`line::split::tests::straight_parts_wander_but_do_not_bend` with half and twice as much,
 /// `line::split::tests::straight_parts_of_lines_that_turn_far_may_be_bent` with more parts).
 pub(super) const STRAIGHT_Q16: u64 = 1 << 14;
 pub(super) const STRAIGHT_PARTS: u64 = 12;
@@ -199,5 +204,5 @@ pub(super) const CURVE_SIGMAS: u64 = 3;
 pub(super) const LEAST_STRAIGHT_KNOTS: usize = 3;
 
 /// A part of fewer points is none: two lengths of roughness, without which nothing tells the end of an edge that frays
-/// from another edge.
+/// from another edge (`line::table::tests::short_parts_are_no_lines`).
 pub(super) const LEAST_PART_POINTS: u16 = 32;

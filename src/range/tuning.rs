@@ -85,8 +85,9 @@ pub(super) const REWEIGHTING_ROUNDS: usize = 12;
 /// deviation.
 pub(super) const REWEIGHTED_PART: i32 = 20;
 
-/// A line of pixels may scatter by so many of its sigmas for each length of roughness, and by as many as this in any case:
-/// the fewer there are, the less tells a wander from pieces of several edges (`cargo test false_distances::of_clutter` with twice as many).
+/// A line of pixels may scatter by so many of its sigmas for each length of roughness, and by as many as this in any
+/// case: the fewer there are, the less tells a wander from pieces of several edges
+/// (`cargo test false_distances::of_clutter` with twice as many, `cargo test short_bars` with half of the latter).
 pub(super) const MISFIT_PER_LENGTH: (i32, i32) = (3, 4);
 pub(super) const USUAL_MISFIT: (i32, i32) = (3, 2);
 
