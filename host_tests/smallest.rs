@@ -106,6 +106,7 @@ fn a_translation_is_a_twist_that_does_not_turn() {
     let translation = Translation::new(velocity_m_s, gravity).expect("a sound motion");
     assert_eq!(translation.pose(0.02), twist.pose(0.02));
     assert_eq!(translation.gravity(), twist.gravity());
+    assert_eq!(translation.velocity_m_s(), twist.velocity_m_s());
     for line in lines(taken(&frame(2), |row| row)) {
         let range = Range::from_line(&setup(), &twist, &line);
         assert_eq!(Range::from_line(&setup(), &translation, &line), range);
@@ -114,4 +115,15 @@ fn a_translation_is_a_twist_that_does_not_turn() {
         assert!(off.abs() < 0.01 * range.estimate.sigma_inverse_depth_per_m, "{plain:?}, {range:?}");
     }
     assert!(Translation::level([f32::NAN, 0.0, 0.0]).is_err() && Translation::new(velocity_m_s, [0.0; 3]).is_err());
+}
+
+#[test]
+fn a_translation_is_checked_again_when_read() {
+    let motion = Translation::level([1.5_f32, -0.25, 0.5]).expect("a sound motion");
+    let text = serde_json::to_string(&motion).expect("writes");
+    assert_eq!(serde_json::from_str::<Translation<f32>>(&text).expect("reads"), motion);
+    for (sound, broken) in [("1.5", "15000.0"), ("[0.0,1.0,0.0]", "[0.0,0.0,0.0]")] {
+        let nonsense = text.replace(sound, broken);
+        assert!(nonsense != text && serde_json::from_str::<Translation<f32>>(&nonsense).is_err(), "{nonsense}");
+    }
 }

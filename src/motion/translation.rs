@@ -16,6 +16,9 @@ use crate::scalar::{Scalar, scale};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "RawTranslation<S>"))]
+#[cfg_attr(feature = "serde", serde(bound(deserialize = "S: Scalar + serde::Deserialize<'de>")))]
 pub struct Translation<S> {
     velocity_m_s: [S; 3],
     gravity: [S; 3],
@@ -35,6 +38,12 @@ impl<S: Scalar> Translation<S> {
     /// *Errors*: as [`Translation::new`].
     pub fn level(velocity_m_s: [S; 3]) -> Result<Self, ParameterError> {
         Self::new(velocity_m_s, [S::ZERO, S::ONE, S::ZERO])
+    }
+
+    /// Velocity in m/s.
+    #[must_use]
+    pub const fn velocity_m_s(&self) -> [S; 3] {
+        self.velocity_m_s
     }
 }
 
@@ -56,5 +65,21 @@ impl<S: Scalar> Motion<S> for Translation<S> {
 
     fn gravity(&self) -> [S; 3] {
         self.gravity
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct RawTranslation<S> {
+    velocity_m_s: [S; 3],
+    gravity: [S; 3],
+}
+
+#[cfg(feature = "serde")]
+impl<S: Scalar> TryFrom<RawTranslation<S>> for Translation<S> {
+    type Error = ParameterError;
+
+    fn try_from(raw: RawTranslation<S>) -> Result<Self, ParameterError> {
+        Self::new(raw.velocity_m_s, raw.gravity)
     }
 }
