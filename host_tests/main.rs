@@ -42,6 +42,7 @@ mod plan;
 mod post;
 mod projection;
 mod propagation;
+mod pulsed;
 mod readout;
 mod real_bars;
 mod real_cameras;

@@ -11,7 +11,7 @@ const LEVELS: [u8; 3] = [90, 120, 150];
 const SEEDS: u64 = 6;
 
 /// Three posts whose edges no two frames have at the same phases of the pixel.
-fn posts(seed: u64) -> Scene<3> {
+pub(crate) fn posts(seed: u64) -> Scene<3> {
     let mut scene = Scene::new(Background::plain(180.0)).expect("a sound background");
     for (bearing, depth_m) in [(-0.3_f32, 1.5), (0.0, 2.4), (0.3, 1.0)] {
         let bearing = bearing + 0.0011 * seed as f32;
@@ -20,7 +20,7 @@ fn posts(seed: u64) -> Scene<3> {
     scene
 }
 
-fn black_and_white(frame: &Frame, level: u8) -> Frame {
+pub(crate) fn black_and_white(frame: &Frame, level: u8) -> Frame {
     let of_pixel = |pixel: &u8| if *pixel > level { 255 } else { 0 };
     frame.iter().map(|row| row.iter().map(of_pixel).collect()).collect()
 }
