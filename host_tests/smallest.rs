@@ -3,7 +3,7 @@
 use shutter_range::format::{Compact, Pixels};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
-    BoardRanger, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Setup, Translation, Twist,
+    BoardRanger, EdgePoint, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Setup, Translation, Twist,
 };
 
 const COLUMNS: u16 = 320;
@@ -126,4 +126,49 @@ fn a_translation_is_checked_again_when_read() {
         let nonsense = text.replace(sound, broken);
         assert!(nonsense != text && serde_json::from_str::<Translation<f32>>(&nonsense).is_err(), "{nonsense}");
     }
+}
+
+/// Of clean edges hardly any is refused, and the others are told as usual: what roughness does to a sigma is not followed
+/// but bounded.
+#[test]
+fn strict_ranges_of_clean_edges_are_the_usual_ones() {
+    let (mut all, mut refused) = (0, 0);
+    for line in (1..=10).flat_map(|seed| lines(taken(&frame(seed), Compact))) {
+        let usual = Range::without_blur(&setup(), &motion(), &line);
+        let strict = Range::strict(&setup(), &motion(), &line);
+        all += 1;
+        if strict.status == RangeStatus::Bent {
+            refused += 1;
+            continue;
+        }
+        assert_eq!((usual.status, strict.status), (RangeStatus::Ok, RangeStatus::Ok));
+        let sigmas_per_m = [usual, strict].map(|range| range.estimate.sigma_inverse_depth_per_m);
+        let off_per_m = (strict.estimate.inverse_depth_per_m - usual.estimate.inverse_depth_per_m).abs();
+        assert!(off_per_m < 0.1 * sigmas_per_m[0] && sigmas_per_m[1] > 0.9 * sigmas_per_m[0], "{usual:?}, {strict:?}");
+    }
+    assert!(all == 80 && refused < 8, "{refused} of {all}");
+}
+
+/// Where the usual fit gives a wider sigma, or leaves points out, the strict one gives no depth.
+#[test]
+fn what_a_strict_fit_would_have_to_repair_is_bent() {
+    // How far off the straight edge a row is, in pixels.
+    let line = |off_px: fn(u16) -> f32| {
+        let point = |row: u16| {
+            let column_px = 100.0 + 0.1 * f32::from(row) + off_px(row);
+            EdgePoint::new(row, (column_px * 65536.0) as i32, setup().readout().row_time_ns(row))
+        };
+        let mut line: Line<8> = Line::new(point(0));
+        (1..ROWS).for_each(|row| line.push(point(row)).expect("rows in order"));
+        line
+    };
+    let statuses = |line: &Line<8>| {
+        let (setup, motion) = (setup(), motion());
+        [Range::without_blur(&setup, &motion, line), Range::strict(&setup, &motion, line)].map(|range| range.status)
+    };
+    assert_eq!(statuses(&line(|_| 0.0)), [RangeStatus::Ok; 2]);
+    let wander = line(|row| 0.4 * (f32::from(row) / 15.0).sin());
+    assert_eq!(statuses(&wander), [RangeStatus::Ok, RangeStatus::Bent]);
+    let outlier = line(|row| if (96..128).contains(&row) { 3.0 } else { 0.0 });
+    assert_eq!(statuses(&outlier), [RangeStatus::Ok, RangeStatus::Bent]);
 }

@@ -39,7 +39,7 @@ pub struct Estimate<S> {
     /// than chance allows, or neighbouring residuals are alike, the sigmas have been enlarged accordingly.
     pub misfit: S,
     /// The residuals exceed [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass
-    /// the edge within the frame.
+    /// the edge within the frame; in a [strict](crate::Range::strict) range, or they are not those of noise as stated.
     pub bent: bool,
 }
 

@@ -27,7 +27,7 @@ use super::sensitivity::Sensitivity;
 use super::settled::Settled;
 use super::status::RangeStatus;
 use super::unknowns::Unknowns;
-use super::wander::{Residual, Wander, rough_sigma_px};
+use super::wander::{Residual, Wander, is_white, rough_sigma_px};
 use crate::error::FitError;
 use crate::motion::Motion;
 use crate::scalar::{Scalar, over};
@@ -88,13 +88,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item
     kept: Option<&mut LineState<S>>,
 ) -> Result<Fitted<S, N>, FitError> {
     let mut problem = Problem::<S, N>::new(setup, prior);
-    problem.observe_all(motion, samples)?;
-    let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
-    let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
-    let inliers = problem.observations.iter().filter(|observation| observation.normals.is_inlier).count();
-    if inliers < least {
-        return Err(FitError::TooFewSamples(inliers));
-    }
+    problem.observe_all(motion, samples, setup.uncertainty().edge_roughness_px)?;
     problem.solve()?;
     problem.settle_without_outliers()?;
     let half_to_twin = problem.tell_from_twin()?;
@@ -103,16 +97,41 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item
     problem.conclude(motion, half_to_twin, &goodness_of_fit, estimate, kept)
 }
 
+/// [`fit_with`] of samples that a straight edge explains with noise and roughness as stated. Where it does not, the
+/// estimate is bent: neither outliers nor a wander are sought. The prior is one without blur and earlier frames.
+#[inline(never)]
+pub(crate) fn fit_strictly<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item = Sample<S>>>(
+    setup: &Setup<S>,
+    motion: &M,
+    samples: impl FnOnce() -> I,
+    prior: &Prior<'_, S>,
+    estimate: &mut Estimate<S>,
+) -> Result<Fitted<S, N>, FitError> {
+    let mut problem = Problem::<S, N>::new(setup, prior);
+    // How roughness is alike from sample to sample is not followed: of samples of four rows and more this is the most
+    // that it can come to.
+    let roughness_px = setup.uncertainty().edge_roughness_px;
+    problem.observe_all(motion, samples, roughness_px + roughness_px)?;
+    problem.first_round()?;
+    let first = problem.last.found;
+    problem.settle_in_front(&first)?;
+    let half_to_twin = problem.tell_from_twin()?;
+    let goodness_of_fit = problem.goodness_of_fit();
+    let fitted = problem.conclude(motion, half_to_twin, &goodness_of_fit, estimate, None)?;
+    estimate.bent |= !is_white(&problem.residuals());
+    Ok(fitted)
+}
+
 impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     #[inline(never)]
     fn observe_all<M: Motion<S>, I: Iterator<Item = Sample<S>>>(
         &mut self,
         motion: &M,
         samples: impl FnOnce() -> I,
+        roughness_px: S,
     ) -> Result<(), FitError> {
         let Self { setup, prior, .. } = *self;
         let mut observer = self.observer(motion);
-        let roughness_px = setup.uncertainty().edge_roughness_px;
         for (index, sample) in samples().enumerate() {
             let Spread { column_px, row_px, time_s } = sample.spread;
             let numbers = [sample.column_px, sample.row_px, sample.time_s, sample.sigma_px, column_px, row_px, time_s];
@@ -127,7 +146,10 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
             self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
         }
         self.share_reach();
-        Ok(())
+        let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
+        let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
+        let inliers = self.observations.iter().filter(|observation| observation.normals.is_inlier).count();
+        if inliers < least { Err(FitError::TooFewSamples(inliers)) } else { Ok(()) }
     }
 
     #[inline(never)]

@@ -28,7 +28,7 @@ pub enum RangeStatus {
     Tentative,
     /// No straight edge fits: a part departs by more than
     /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the
-    /// frame.
+    /// frame. Of a [strict](crate::Range::strict) range: its points scatter more than stated.
     Bent,
     /// So much texture around it, or so few rows that scatter so much, that this line may be one by chance.
     Cluttered,

@@ -142,7 +142,7 @@ fn modes_and_spare(count: usize) -> [usize; 2] {
 /// Whether even all squares together were neither beyond chance in the modes nor in the noise beside them: most edges
 /// are straight, and need no modes.
 #[inline(never)]
-fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
+pub(super) fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
     let squares = squares_of(residuals);
     let within = |count: usize, sigmas: i32| {
         let count = S::from_i32(count as i32);

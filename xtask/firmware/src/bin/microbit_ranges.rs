@@ -14,7 +14,7 @@ fn run(ranger: &mut Tables) -> bool {
     let (Ok(setup), Ok(motion)) = (setup(), Translation::level(velocity_m_s())) else { return false };
     let mut near = 0;
     let mut take = |line| {
-        let range = Range::without_blur(&setup, &motion, &line);
+        let range = Range::strict(&setup, &motion, &line);
         // The bars are 1 and 2 m away.
         let is_near = range.estimate.inverse_depth_per_m > Number::ratio(2, 5);
         near += u8::from(is_near && range.status == RangeStatus::Ok);

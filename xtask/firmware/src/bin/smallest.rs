@@ -1,5 +1,5 @@
 //! The smallest program from rows of pixels to ranges: compact rows, a camera that does not turn, and lines whose blur
-//! is not measured.
+//! is not measured and that are refused where they would have to be repaired.
 #![no_std]
 #![no_main]
 
@@ -19,6 +19,6 @@ fn run(ranger: &mut Tables) -> bool {
         }
     }
     ranger.end_frame(&setup);
-    let range = ranger.next_line().map(|line| Range::without_blur(&setup, &motion, &line));
+    let range = ranger.next_line().map(|line| Range::strict(&setup, &motion, &line));
     range.is_some_and(|range| range.status == RangeStatus::Ok)
 }
