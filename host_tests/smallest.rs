@@ -3,7 +3,8 @@
 use shutter_range::format::{Compact, Pixels};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
-    BoardRanger, EdgePoint, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Setup, Translation, Twist,
+    BoardRanger, EdgePoint, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Repair, RowError, Scanner,
+    Setup, Strict, Translation, Twist,
 };
 
 const COLUMNS: u16 = 320;
@@ -19,10 +20,14 @@ fn motion() -> Twist<f32> {
 
 /// Bars that stand alone, one before the other, and side by side.
 fn frame(seed: u64) -> Vec<[u8; COLUMNS as usize]> {
-    let mut scene = Scene::<8>::new(Background::plain(170.0)).expect("a sound background");
     let bars = [(-0.4, 1.0, 0.12, 60.0), (-0.05, 2.0, 0.2, 90.0), (0.15, 3.0, 0.04, 40.0), (0.19, 3.0, 0.04, 40.0)];
-    for (bearing, depth_m, width_m, level) in bars {
-        scene.push(Bar::upright(bearing, depth_m, width_m, level)).expect("a sound bar");
+    frame_of(&bars.map(|(bearing, depth_m, width_m, level)| Bar::upright(bearing, depth_m, width_m, level)), seed)
+}
+
+fn frame_of(bars: &[Bar], seed: u64) -> Vec<[u8; COLUMNS as usize]> {
+    let mut scene = Scene::<8>::new(Background::plain(170.0)).expect("a sound background");
+    for bar in bars {
+        scene.push(*bar).expect("a sound bar");
     }
     let (setup, exposure) = (setup(), Exposure { time_s: 0.002, psf_sigma_px: 0.7, read_noise: 2.5, shot_gain: 0.03 });
     let simulator = Simulator::new(&scene, setup.camera(), setup.readout(), &motion(), exposure, seed);
@@ -36,7 +41,17 @@ fn frame(seed: u64) -> Vec<[u8; COLUMNS as usize]> {
 }
 
 fn taken<'r, P: Pixels>(rows: &'r [[u8; COLUMNS as usize]], format: impl Fn(&'r [u8]) -> P) -> BoardRanger {
-    let (mut ranger, setup) = (BoardRanger::new(), setup());
+    taken_by(BoardRanger::new(), rows, format)
+}
+
+type StrictRanger = Ranger<16, 12, 32, Strict>;
+
+fn taken_by<'r, P: Pixels, R: Repair>(
+    mut ranger: Ranger<16, 12, 32, R>,
+    rows: &'r [[u8; COLUMNS as usize]],
+    format: impl Fn(&'r [u8]) -> P,
+) -> Ranger<16, 12, 32, R> {
+    let setup = setup();
     for (row, pixels) in (0..).zip(rows) {
         ranger.row(&setup, row, format(pixels)).expect("rows in order");
     }
@@ -67,8 +82,8 @@ fn compact_rows_show_the_same_edges() {
     assert!(apart < 0.3, "{apart} sigma");
 }
 
-fn lines<const LINES: usize, const KNOTS: usize, const POINTS: usize>(
-    mut ranger: Ranger<LINES, KNOTS, POINTS>,
+fn lines<R: Repair, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
+    mut ranger: Ranger<LINES, KNOTS, POINTS, R>,
 ) -> impl Iterator<Item = Line<KNOTS>> {
     core::iter::from_fn(move || ranger.next_line())
 }
@@ -171,4 +186,76 @@ fn what_a_strict_fit_would_have_to_repair_is_bent() {
     assert_eq!(statuses(&wander), [RangeStatus::Ok, RangeStatus::Bent]);
     let outlier = line(|row| if (96..128).contains(&row) { 3.0 } else { 0.0 });
     assert_eq!(statuses(&outlier), [RangeStatus::Ok, RangeStatus::Bent]);
+}
+
+/// Where nothing is to be repaired.
+#[test]
+fn a_strict_ranger_takes_the_same_lines() {
+    for seed in 1..=3 {
+        let rows = frame(seed);
+        let strict: Vec<_> = lines(taken_by(StrictRanger::strict(), &rows, Compact)).collect();
+        assert_eq!(strict, lines(taken(&rows, Compact)).collect::<Vec<_>>(), "seed {seed}");
+    }
+}
+
+/// A post that stands on one that leans: the usual ranger parts them.
+#[test]
+fn what_turns_is_one_line_and_bent() {
+    let setup = setup();
+    let column_px = |row: u16| 100.0 + if row < 120 { 0.0 } else { 0.05 * f32::from(row - 120) };
+    let point = |row: u16| EdgePoint::new(row, (column_px(row) * 65536.0) as i32, setup.readout().row_time_ns(row));
+    let (mut usual, mut strict) = (BoardRanger::new(), StrictRanger::strict());
+    for row in 0..ROWS {
+        usual.edge_point(&setup, point(row)).expect("points in order");
+        strict.edge_point(&setup, point(row)).expect("points in order");
+    }
+    usual.end_frame(&setup);
+    strict.end_frame(&setup);
+    assert_eq!(lines(usual).count(), 2);
+    let statuses: Vec<_> = lines(strict).map(|line| Range::strict(&setup, &motion(), &line).status).collect();
+    assert_eq!(statuses, [RangeStatus::Bent]);
+}
+
+/// Bytes were lost in the middle of the frame: the usual ranger notices it, and a strict one shows each edge as two.
+#[test]
+fn that_all_lines_jump_is_not_noticed() {
+    let mut rows = frame(4);
+    rows.iter_mut().skip(120).for_each(|row| row.rotate_left(20));
+    let (setup, mut usual, mut strict) = (setup(), BoardRanger::new(), StrictRanger::strict());
+    let jump = (0..).zip(&rows).find_map(|(row, pixels)| usual.row(&setup, row, pixels).err());
+    assert!(matches!(jump, Some(RowError::Jump { row: 118..=122 })), "{jump:?}");
+    for (row, pixels) in (0..).zip(&rows) {
+        strict.row(&setup, row, pixels).expect("rows in order");
+    }
+    strict.end_frame(&setup);
+    assert!(lines(strict).count() > 8);
+}
+
+/// Rows that are only scanned: each edge is told, and no worse than its sigma of noise and roughness says.
+#[test]
+fn scanned_points_are_ranged_as_well_as_their_sigma_says() {
+    let (setup, motion) = (setup(), motion());
+    let mut squares = 0.0;
+    for seed in 1..=20 {
+        let rows = frame_of(&[Bar::upright(-0.2, 1.0, 0.12, 60.0), Bar::upright(0.2, 2.0, 0.12, 60.0)], seed);
+        let (mut scanner, mut ranger) = (Scanner::new(), StrictRanger::strict());
+        for (row, pixels) in (0..).zip(&rows) {
+            let time_ns = setup.readout().row_time_ns(row);
+            scanner.scan(pixels, |point| {
+                ranger.edge_point(&setup, point.at(row, time_ns)).expect("points in order");
+            });
+            ranger.end_row(&setup, row).expect("rows in order");
+        }
+        ranger.end_frame(&setup);
+        let ranges: Vec<_> = lines(ranger).map(|line| Range::strict(&setup, &motion, &line)).collect();
+        assert_eq!(ranges.len(), 4, "seed {seed}");
+        for Range { status, estimate, .. } in ranges {
+            assert_eq!(status, RangeStatus::Ok, "seed {seed}: {estimate:?}");
+            let depth_m = if estimate.bearing < 0.0 { 1.0 } else { 2.0 };
+            let off = (estimate.inverse_depth_per_m - 1.0 / depth_m) / estimate.budget.noise_per_m;
+            squares += off * off;
+        }
+    }
+    let off = (squares / 80.0).sqrt();
+    assert!(off < 1.0, "{off} sigma");
 }

@@ -147,7 +147,7 @@ pub use edge::{EdgePoint, Polarity, ScannedPoint, Scanner};
 pub use error::{
     EdgeError, FitError, FormatNameError, ParameterError, RowError, TrajectoryError, TrajectoryGap, TrajectoryStream,
 };
-pub use line::{Counters, Line, OutOfOrder};
+pub use line::{Counters, Line, OutOfOrder, Repair, Repaired, Strict};
 pub use motion::{
     FrameMotion, Motion, Pose, SensorClock, StampConvention, Trajectory, TrajectoryConfig, Translation, Twist,
 };

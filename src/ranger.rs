@@ -6,7 +6,8 @@ use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
 use crate::line::{
-    Candidates, Counters, Flanks, Line, RowClock, RowTime, Tracker, looks, looks_beside, looks_for_halo,
+    Candidates, Counters, Flanks, Line, Repair, Repaired, RowClock, RowTime, Strict, Tracker, looks, looks_beside,
+    looks_for_halo,
 };
 use crate::motion::Motion;
 use crate::range::Range;
@@ -48,8 +49,8 @@ use crate::setup::Setup;
 /// ```
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize> {
-    tracker: Tracker<LINES, KNOTS>,
+pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize, R = Repaired> {
+    tracker: Tracker<LINES, KNOTS, R>,
     /// Edge points of the row under way, by column.
     row: Vec<EdgePoint, POINTS>,
     scanner: Scanner,
@@ -95,6 +96,20 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, 
     /// A ranger with empty tables: all zero bits, so that a `static` one takes no flash.
     #[must_use]
     pub const fn new() -> Self {
+        Self::empty()
+    }
+}
+
+impl<const LINES: usize, const KNOTS: usize, const POINTS: usize> Ranger<LINES, KNOTS, POINTS, Strict> {
+    /// The same for a program that is to be small: see [`Strict`].
+    #[must_use]
+    pub const fn strict() -> Self {
+        Self::empty()
+    }
+}
+
+impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ranger<LINES, KNOTS, POINTS, R> {
+    const fn empty() -> Self {
         Self { tracker: Tracker::new(), row: Vec::new(), scanner: Scanner::new(), frame: Frame::Started }
     }
 

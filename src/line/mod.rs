@@ -1,6 +1,7 @@
 //! From edge points to lines, in integers.
 
 mod tuning;
+mod repair;
 mod row_clock;
 mod knot;
 mod halo;
@@ -28,6 +29,7 @@ pub(crate) use explained::{Flanks, looks_beside};
 pub(crate) use knot::Knot;
 pub(crate) use learning::{looks, looks_for_halo};
 pub use line::{Line, OutOfOrder};
+pub use repair::{Repair, Repaired, Strict};
 pub(crate) use row_clock::RowClock;
 pub(crate) use track::RowTime;
 pub(crate) use tracker::Tracker;

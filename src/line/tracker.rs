@@ -1,5 +1,7 @@
 //! [`Tracker`]: from edge points, row by row, to lines.
 
+use core::marker::PhantomData;
+
 use heapless::Vec;
 
 use super::association::{Association, Outcome, Pair};
@@ -10,6 +12,7 @@ use super::jump::Jump;
 use super::learning::look_at;
 use super::line::Line;
 use super::refinement::Refinement;
+use super::repair::{Repair, Repaired};
 use super::steady::{Located, Missed, locate_steady, take_steady};
 use super::stitch::stitch_all;
 use super::table::Table;
@@ -30,16 +33,17 @@ use crate::setup::{Limits, Readout};
 /// points and lines together.
 #[derive(Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize> {
+pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize, R = Repaired> {
     table: Table<LINES, KNOTS>,
     counters: Counters,
+    repair: PhantomData<R>,
 }
 
-impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
+impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R> {
     /// An empty tracker.
     #[must_use]
     pub(crate) const fn new() -> Self {
-        Self { table: Table::new(), counters: Counters::ZERO }
+        Self { table: Table::new(), counters: Counters::ZERO, repair: PhantomData }
     }
 
     /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at
@@ -86,7 +90,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
 
     /// Stitches lines where this row has shown a young one; a row at which all of them jump.
     fn stitch(&mut self, limits: &Limits, columns: u16, row: u16, has_young: bool) -> Option<u16> {
-        if !has_young {
+        if !(R::REPAIRS && has_young) {
             return None;
         }
         let jump = self.jump(columns, row);
@@ -211,8 +215,15 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             let strays = self.table.finish(place);
             self.count_stray(strays);
         }
-        let strays = self.table.split_ended(ended);
-        self.count_stray(strays);
+        self.split_ended(ended);
+    }
+
+    /// Splits the lines that have ended, from the `first` on.
+    fn split_ended(&mut self, first: usize) {
+        if R::REPAIRS {
+            let strays = self.table.split_ended(first);
+            self.count_stray(strays);
+        }
     }
 
     /// A line that has ended, in no particular order. Take them after every row, or their places stay occupied.
@@ -372,8 +383,7 @@ impl<const LINES: usize, const KNOTS: usize> Tracker<LINES, KNOTS> {
             index += 1;
         }
         if self.table.ended().count() > ended {
-            let strays = self.table.split_ended(ended);
-            self.count_stray(strays);
+            self.split_ended(ended);
         }
         has_young
     }

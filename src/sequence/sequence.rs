@@ -11,7 +11,7 @@ use super::time_shift::{TimeShift, Vote};
 use super::tuning::{CHANCE_EDGES, CLEAR_TIMES};
 use super::vertical::Vertical;
 use crate::error::ParameterError;
-use crate::line::Line;
+use crate::line::{Line, Repair};
 use crate::motion::{Motion, Pose, check_next_frame, checked_direction};
 use crate::range::{Range, RangeStatus, SampleSet};
 use crate::ranger::Ranger;
@@ -118,11 +118,11 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     /// comparison with each landmark of its polarity that is predicted within its reach: four sigma, at least 32
     /// pixels. For at most 32 landmarks another comparison; only in a frame that does not follow on, these with all
     /// lines, and all predictions again.
-    pub fn frame<M: Motion<S>, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
+    pub fn frame<M: Motion<S>, R: Repair, const LINES: usize, const KNOTS: usize, const POINTS: usize>(
         &mut self,
         setup: &Setup<S>,
         motion: &M,
-        ranger: &mut Ranger<LINES, KNOTS, POINTS>,
+        ranger: &mut Ranger<LINES, KNOTS, POINTS, R>,
         mut found: impl FnMut(Range<S>),
     ) {
         self.associate(setup, motion, ranger.places(), |place| ranger.line_at(place));

@@ -144,10 +144,10 @@ impl Table<'_> {
     }
 
     fn sizes(&self, opt: Opt) -> String {
-        let uses = ["edges", "smallest", "pixels", "pixels sequence", "pixels trajectory"];
+        let uses = ["edges", "scanned", "smallest", "pixels", "pixels sequence", "pixels trajectory"];
         let mut text = format!(
             "Flash, statics and stack of whole programs with tables for 8 lines, in bytes, `opt-level = {opt}`:\n\n\
-             | board, back end | edge points | pixels, smallest | pixels | pixels, sequence | pixels, trajectory |\n|---|---|---|---|---|---|\n"
+             | board, back end | edge points | pixels, scanned | pixels, smallest | pixels | pixels, sequence | pixels, trajectory |\n|---|---|---|---|---|---|---|\n"
         );
         for (board, backend) in Self::pairs() {
             let value = |of, quantity| cell(self.value(board, backend, opt, of, quantity), 0);

@@ -23,7 +23,7 @@ pub(crate) struct Use {
     measure: fn(&Firmware, &str) -> Result<Measured>,
 }
 
-pub(crate) const USES: [Use; 24] = [
+pub(crate) const USES: [Use; 25] = [
     Use { name: "rows flat", solves: false, measure: rows },
     Use { name: "rows two bars", solves: false, measure: rows },
     Use { name: "rows five bars", solves: false, measure: rows },
@@ -44,6 +44,7 @@ pub(crate) const USES: [Use; 24] = [
     Use { name: "line worst", solves: true, measure: line_worst },
     Use { name: "sequence", solves: true, measure: sequence },
     Use { name: "edges", solves: true, measure: program },
+    Use { name: "scanned", solves: true, measure: program },
     Use { name: "smallest", solves: true, measure: program },
     Use { name: "pixels", solves: true, measure: program },
     Use { name: "pixels sequence", solves: true, measure: program },
@@ -55,6 +56,7 @@ impl Use {
     pub(crate) fn program(&self) -> &'static str {
         match self.name {
             "edges" => "edges",
+            "scanned" => "scanned",
             "smallest" => "smallest",
             "pixels" => "pixels",
             "pixels sequence" => "pixels_sequence",

@@ -32,6 +32,9 @@ macro_rules! program {
 #[macro_export]
 macro_rules! small_program {
     ($main:path) => {
+        $crate::small_program!($main, $crate::small::Tables, new);
+    };
+    ($main:path, $tables:ty, $new:ident) => {
         #[cfg(target_arch = "arm")]
         use cortex_m_rt::entry;
         #[cfg(target_arch = "riscv32")]
@@ -39,7 +42,7 @@ macro_rules! small_program {
 
         #[entry]
         fn start() -> ! {
-            static mut TABLES: $crate::small::Tables = $crate::small::Tables::new();
+            static mut TABLES: $tables = <$tables>::$new();
             #[cfg(target_arch = "arm")]
             let tables = TABLES;
             // The entry of this core hands no static over; there is no other use of it.

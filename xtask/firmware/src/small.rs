@@ -4,13 +4,16 @@
 use crate::{Number, stack};
 use semihosting::sys::arm_compat::sys_writec;
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
-use shutter_range::{EdgePoint, ParameterError, Ranger, Scalar, Setup, Twist};
+use shutter_range::{EdgePoint, ParameterError, Ranger, Scalar, Setup, Strict, Twist};
 
 pub const COLUMNS: u16 = 320;
 pub const ROWS: u16 = 240;
 
 /// The tables: 8 lines, and 12 points on a row: that and the stack fit in 10 KiB.
 pub type Tables = Ranger<8, 8, 12>;
+
+/// The same without repair of lines.
+pub type StrictTables = Ranger<8, 8, 12, Strict>;
 
 /// QVGA at 30 frames a second.
 pub fn setup() -> Result<Setup<Number>, ParameterError> {

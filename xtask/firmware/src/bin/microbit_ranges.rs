@@ -4,13 +4,13 @@
 #![no_main]
 
 use budget_firmware::Number;
-use budget_firmware::small::{Tables, rows, setup, velocity_m_s};
+use budget_firmware::small::{StrictTables, rows, setup, velocity_m_s};
 use shutter_range::format::Compact;
 use shutter_range::{Range, RangeStatus, Scalar, Translation};
 
-budget_firmware::small_program!(run);
+budget_firmware::small_program!(run, StrictTables, strict);
 
-fn run(ranger: &mut Tables) -> bool {
+fn run(ranger: &mut StrictTables) -> bool {
     let (Ok(setup), Ok(motion)) = (setup(), Translation::level(velocity_m_s())) else { return false };
     let mut near = 0;
     let mut take = |line| {

@@ -3,13 +3,13 @@
 #![no_std]
 #![no_main]
 
-use budget_firmware::small::{COLUMNS, ROWS, Tables, paint, setup, velocity_m_s};
+use budget_firmware::small::{COLUMNS, ROWS, StrictTables, paint, setup, velocity_m_s};
 use shutter_range::format::Compact;
 use shutter_range::{Range, RangeStatus, Translation};
 
-budget_firmware::small_program!(run);
+budget_firmware::small_program!(run, StrictTables, strict);
 
-fn run(ranger: &mut Tables) -> bool {
+fn run(ranger: &mut StrictTables) -> bool {
     let (Ok(setup), Ok(motion)) = (setup(), Translation::level(velocity_m_s())) else { return false };
     let mut pixels = [0; COLUMNS as usize];
     for row in 0..ROWS {
