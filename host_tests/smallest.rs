@@ -3,8 +3,8 @@
 use shutter_range::format::{Compact, Pixels};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
-    BoardRanger, EdgePoint, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Repair, RowError, Scanner,
-    Setup, Strict, Translation, Twist,
+    BoardRanger, EdgePoint, Line, Motion, MotionBlur, Pose, Range, RangeStatus, Ranger, Repair, RowError, Setup,
+    Strict, Translation, Twist,
 };
 
 const COLUMNS: u16 = 320;
@@ -238,13 +238,9 @@ fn scanned_points_are_ranged_as_well_as_their_sigma_says() {
     let mut squares = 0.0;
     for seed in 1..=20 {
         let rows = frame_of(&[Bar::upright(-0.2, 1.0, 0.12, 60.0), Bar::upright(0.2, 2.0, 0.12, 60.0)], seed);
-        let (mut scanner, mut ranger) = (Scanner::new(), StrictRanger::strict());
+        let mut ranger = StrictRanger::strict();
         for (row, pixels) in (0..).zip(&rows) {
-            let time_ns = setup.readout().row_time_ns(row);
-            scanner.scan(pixels, |point| {
-                ranger.edge_point(&setup, point.at(row, time_ns)).expect("points in order");
-            });
-            ranger.end_row(&setup, row).expect("rows in order");
+            ranger.scanned_row(&setup, row, pixels).expect("rows in order");
         }
         ranger.end_frame(&setup);
         let ranges: Vec<_> = lines(ranger).map(|line| Range::strict(&setup, &motion, &line)).collect();

@@ -170,20 +170,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// one of the next rows. Of more than 16 lines each may have one more point refined, of more than 48 each sixteenth
     /// a model.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
-        let rows_read = match self.frame {
-            Frame::Started => 0,
-            Frame::OfPixels { rows_read } => rows_read,
-            Frame::OfPoints(_) => return Err(RowError::FrameOfPoints { row }),
-            Frame::Torn => return Err(RowError::Torn),
-        };
-        if let Err(error) = check_pixels(setup, rows_read, row, pixels.columns()) {
-            self.tear();
-            return Err(error);
-        }
-        if rows_read == 0 {
-            self.scanner.begin_frame();
-        }
-        self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
+        self.begin_row_of_pixels(setup, row, pixels.columns())?;
         let looks_for_halo = looks_for_halo(row, setup.response());
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row), looks_for_halo };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
@@ -218,10 +205,55 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
             tracker.look_at(row, pixel_row, scanner.noise_q8(), points);
         }
         points.clear();
-        if let Some(row) = jump {
+        self.unless_torn(jump)
+    }
+
+    /// Takes one row of pixels as [`row`](Self::row), but finds edges by scanning alone: what no row shows on its own is
+    /// not found, a point is as good as its row makes it, and edges within eight pixels of each other are not told apart.
+    /// A program whose rows are all taken so holds no models of edges: 24 kB less flash on a Cortex-M0.
+    ///
+    /// What is around a line is not looked at, and so none is [`Cluttered`](crate::RangeStatus::Cluttered): in texture, lines
+    /// may be there by chance. It is for edges before plain backgrounds.
+    ///
+    /// *Errors*: as [`row`](Self::row).
+    pub fn scanned_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
+        self.begin_row_of_pixels(setup, row, pixels.columns())?;
+        let time_ns = setup.readout().row_time_ns(row);
+        let (points, tracker) = (&mut self.row, &mut self.tracker);
+        self.scanner.scan(pixels, |point| {
+            tracker.count_points(1);
+            if points.push(point.at(row, time_ns)).is_err() {
+                tracker.count_dropped_point();
+            }
+        });
+        let jump = tracker.row(setup.limits(), setup.camera().intrinsics().columns, row, points);
+        points.clear();
+        self.unless_torn(jump)
+    }
+
+    /// Tears the frame where all its lines jump at a row.
+    fn unless_torn(&mut self, jump: Option<u16>) -> Result<(), RowError> {
+        let Some(row) = jump else { return Ok(()) };
+        self.tear();
+        Err(RowError::Jump { row })
+    }
+
+    /// Checks that a row of so many pixels is the next one of the frame; what is not tears it.
+    fn begin_row_of_pixels<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: usize) -> Result<(), RowError> {
+        let rows_read = match self.frame {
+            Frame::Started => 0,
+            Frame::OfPixels { rows_read } => rows_read,
+            Frame::OfPoints(_) => return Err(RowError::FrameOfPoints { row }),
+            Frame::Torn => return Err(RowError::Torn),
+        };
+        if let Err(error) = check_pixels(setup, rows_read, row, pixels) {
             self.tear();
-            return Err(RowError::Jump { row });
+            return Err(error);
         }
+        if rows_read == 0 {
+            self.scanner.begin_frame();
+        }
+        self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
         Ok(())
     }
 

@@ -143,8 +143,8 @@ impl<S: Scalar> Estimate<S> {
         let where_it_is = [self.bearing, self.inverse_depth_per_m, self.tilt, self.distance_per_depth];
         let how_well =
             [self.sigma_bearing, self.sigma_inverse_depth_per_m, self.sigma_tilt, self.correlation, self.misfit];
-        let parts = self.budget.parts().map(|(_, part)| part);
-        where_it_is.into_iter().chain(how_well).chain(parts).all(S::is_finite)
+        let parts = self.budget.parts();
+        where_it_is.iter().chain(&how_well).chain(parts.iter().map(|(_, part)| part)).all(|part| part.is_finite())
     }
 
     fn interval(&self, sigmas: Sigmas<S>, factor: S) -> Interval<S> {

@@ -5,7 +5,6 @@
 
 use budget_firmware::Number;
 use budget_firmware::small::{StrictTables, rows, setup, velocity_m_s};
-use shutter_range::format::Compact;
 use shutter_range::{Range, RangeStatus, Scalar, Translation};
 
 budget_firmware::small_program!(run, StrictTables, strict);
@@ -20,7 +19,7 @@ fn run(ranger: &mut StrictTables) -> bool {
         near += u8::from(is_near && range.status == RangeStatus::Ok);
     };
     let went_well = rows(|row, pixels| {
-        let taken = ranger.row(&setup, row, Compact(pixels)).is_ok();
+        let taken = ranger.scanned_row(&setup, row, pixels).is_ok();
         while let Some(line) = ranger.next_line() {
             take(line);
         }
