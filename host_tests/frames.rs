@@ -188,20 +188,23 @@ fn a_line_goes_on_behind_a_rail_when_the_table_is_full() {
     assert!(found.iter().all(|range| range.last_row >= ROWS - 1 - LOST_ROWS), "{found:#?}");
 }
 
-/// Sixteen rows are enough where nothing else is in view. (Among so many edges that some of their points are bound to
-/// lie in line by chance, a line must be longer.)
+/// Sixteen rows are enough where nothing else is in view: nineteen of twenty bars stand out of what noise does beside
+/// them. (Among so many edges that some of their points are bound to lie in line by chance, a line must be longer.)
 #[test]
 fn short_bars_are_found_in_a_clear_view() {
     let bar = |bearing| Bar::upright(bearing, 1.0, 0.1, 60.0).between(-0.027, 0.027).into();
-    for seed in 1..6 {
+    let (mut ok, mut edges) = (0, 0);
+    for seed in 1..41 {
         let scene = scene_of(180.0, [bar(-0.4), bar(-0.2), bar(0.0), bar(0.2), bar(0.4)]);
         let (found, truths) = ranges_and_truths(&scene, &moving(3.0), Exposure::default(), seed);
-        let ok = found.iter().filter(|range| range.status == RangeStatus::Ok).count();
-        assert!(found.len() == truths.len() && ok == truths.len(), "seed {seed}: {ok} of {}", truths.len());
+        assert_eq!(found.len(), truths.len(), "seed {seed}");
         for (range, truth) in found.iter().zip(&truths) {
             assert!(errors(range, truth).1.abs() < MOST_SIGMAS, "seed {seed}: {range:?} for {truth:?}");
         }
+        ok += found.iter().filter(|range| range.status == RangeStatus::Ok).count();
+        edges += truths.len();
     }
+    assert!(20 * ok >= 19 * edges, "{ok} of {edges}");
 }
 
 #[test]

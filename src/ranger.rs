@@ -6,8 +6,8 @@ use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
 use crate::line::{
-    Candidates, Counters, Flanks, Line, Repair, Repaired, RowClock, RowTime, Strict, Tracker, looks, looks_beside,
-    looks_for_halo,
+    Candidates, Counters, Flanks, Line, Repair, Repaired, RowClock, RowTime, Strict, Tracker, begins, looks,
+    looks_beside, looks_for_halo,
 };
 use crate::motion::Motion;
 use crate::range::Range;
@@ -163,7 +163,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a
     /// frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some seven to twelve instructions a pixel and one to three thousand for each edge; docs/budget.md has
+    /// *Cost*: some four to eight instructions a pixel and one to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
     /// each of `POINTS`; for each of `LINES` one look of its model; ten scanned points that are refined; three new
     /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in
@@ -178,11 +178,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let (mut candidates, mut flanks) = (Candidates::new(), Flanks::new());
         let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates, &mut flanks);
-        let mut asked: Vec<_, LINES> = Vec::new();
-        if tracker.is_full() {
+        let (mut asked, is_full): (Vec<_, LINES>, _) = (Vec::new(), tracker.is_full());
+        if is_full {
             candidates.add_columns(&mut asked);
         }
-        let asked = tracker.is_full().then_some(&asked[..]);
+        let is_scanned = !is_steady || begins(row, pixels.mosaic_row().is_some());
+        let asked = (is_full || !is_scanned).then_some(&asked[..]);
         let is_blinded = self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
                 tracker.count_points(1);
@@ -198,7 +199,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let is_as_before = is_steady && points.is_empty();
         let jump =
             if is_as_before { None } else { tracker.take(setup.limits(), columns, row, &candidates, points, &refine) };
-        if asked.is_some() || is_blinded || tracker.counters().dropped_points != dropped_points {
+        if is_full || is_blinded || tracker.counters().dropped_points != dropped_points {
             tracker.count_crowded_row();
         }
         if jump.is_none() && (!is_as_before || looks(row)) {
