@@ -9,8 +9,8 @@ use crate::format::Pixels;
 /// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is
 /// a word before it.
 const SPAN: usize = 2 * WINDOW;
-/// Spans that are looked at together.
-const GROUP: usize = 32;
+/// Spans that are looked at together: bits of a half.
+const GROUP: usize = 16;
 
 /// Compares sums of four pixels with those of the four before them at every second boundary, word by word: two of them
 /// in the halves of a number.
@@ -49,13 +49,17 @@ impl Comparison {
         beyond
     }
 
-    /// Whether there is a difference beyond the limit in any span but the first, with which it begins.
+    /// In which spans there is a difference beyond the limit, the lowest bit for the first but the one with which it
+    /// begins; of a group at most.
     #[inline(never)] // all of it then fits into the registers
-    fn is_beyond_in(limit: u32, spans: &[u8]) -> bool {
+    fn beyond_in(limit: u32, spans: &[u8]) -> u32 {
         let (before, group) = spans.split_at(SPAN.min(spans.len()));
         let mut comparison = Self::begin(limit, before);
-        let any = group.chunks_exact(SPAN).fold(0, |any, span| any | comparison.span(span));
-        any & Self::HIGHEST != 0
+        // The bits of each half move down within it: as many as it has.
+        let group = group.chunks_exact(SPAN);
+        let rest = GROUP.saturating_sub(group.len());
+        let halves = group.fold(0, |halves, span| (halves >> 1) | (comparison.span(span) & Self::HIGHEST));
+        ((halves | (halves >> 16)) & 0xFFFF) >> rest
     }
 
     /// Goes on by the two words of a span, and compares at the four boundaries from its last word but two on.
@@ -86,12 +90,12 @@ pub(super) fn coarse(
             let end = gap_end.min(at + GROUP);
             // With the span before it.
             let group = grey(pixels, (at - 1) * SPAN..end * SPAN, &mut buffer);
-            if Comparison::is_beyond_in(limit, group) {
-                each_beyond(limit, group, |index| {
-                    if is_asked(at + index) {
-                        add_stretch(&mut open, at + index, &mut stretch);
-                    }
-                });
+            let mut beyond = Comparison::beyond_in(limit, group);
+            while beyond != 0 {
+                if beyond & 1 != 0 && is_asked(at) {
+                    add_stretch(&mut open, at, &mut stretch);
+                }
+                (beyond, at) = (beyond >> 1, at + 1);
             }
             at = end;
         }
@@ -119,18 +123,6 @@ fn has_edge_in_tail(pixels: &impl Pixels, limit: u32) -> bool {
 fn spans_of(positions: &Range<u16>) -> Range<usize> {
     let span_of = |position: u16| (usize::from(position) + WINDOW) / SPAN;
     span_of(positions.start)..span_of(positions.end) + 1
-}
-
-/// Hands over which spans of a group, after the one with which it begins, have a difference beyond the limit.
-#[inline(never)] // few groups have one
-fn each_beyond(limit: u32, group: &[u8], mut take: impl FnMut(usize)) {
-    let (before, spans) = group.split_at(SPAN.min(group.len()));
-    let mut comparison = Comparison::begin(limit, before);
-    for (index, span) in spans.chunks_exact(SPAN).enumerate() {
-        if comparison.span(span) & Comparison::HIGHEST != 0 {
-            take(index);
-        }
-    }
 }
 
 /// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
