@@ -17,7 +17,7 @@ pub struct Repaired;
 /// A line that turns is one line, which [`Range::strict`](crate::Range::strict) refuses as
 /// [`Bent`](crate::RangeStatus::Bent); an edge that was hidden for a while is two lines. That all lines jump at one row is
 /// not noticed: where bytes or rows may be lost the driver has to tell ([`Ranger::tear`](crate::Ranger::tear)), and light
-/// that is pulsed shows an edge as two.
+/// that is pulsed shows an edge as two. Edge points are weighed against each other in every row: they cost twice as much.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Strict;

@@ -52,7 +52,10 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     /// Returns a row at which all lines jump, if that is seen now.
     #[must_use]
     pub(crate) fn row(&mut self, limits: &Limits, columns: u16, row: u16, points: &[EdgePoint]) -> Option<u16> {
-        if let Some(has_young) = take_steady(&mut self.table, limits, row, points) {
+        // The quick way to the same lines, which small programs do without.
+        if R::REPAIRS
+            && let Some(has_young) = take_steady(&mut self.table, limits, row, points)
+        {
             return self.stitch(limits, columns, row, has_young);
         }
         let mut candidates = Candidates::new();

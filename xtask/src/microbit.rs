@@ -21,8 +21,8 @@ struct Limits {
 // alone need the least stack optimised for speed.
 const LIMITS: [Limits; 3] = [
     Limits { program: "microbit_lines", backend: BackEnd::F32, opt: Opt::Speed, flash: 136 * 1024, ram: 10 * 1024 },
-    Limits { program: "microbit_ranges", backend: BackEnd::F32, opt: Opt::Size, flash: 71 * 1024, ram: 11 * 1024 },
-    Limits { program: "microbit_ranges", backend: BackEnd::Fixed, opt: Opt::Size, flash: 84 * 1024, ram: 11 * 1024 },
+    Limits { program: "microbit_ranges", backend: BackEnd::F32, opt: Opt::Size, flash: 69 * 1024, ram: 11 * 1024 },
+    Limits { program: "microbit_ranges", backend: BackEnd::Fixed, opt: Opt::Size, flash: 82 * 1024, ram: 11 * 1024 },
 ];
 
 pub(crate) fn run() -> Result<()> {
