@@ -1,5 +1,7 @@
 //! Several frames of the same edges: how they are recognised, their tilt, and a sigma that falls.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::tool::{Folder, SETUP, assert_near, number};
@@ -67,6 +69,41 @@ fn a_sequence_names_its_edges_and_learns_their_lean() {
     for (range, degrees) in [(left, 0.5), (right, 0.5), (other, 0.0)] {
         assert_near(number(range, "tilt_deg").abs(), degrees, 0.03);
         assert!(number(range, "sigma_tilt_deg") < 0.02, "{range}");
+    }
+}
+
+/// Widths of the labels of an overlay of 640 columns: its boxes are the long runs of their dark grey, line by line.
+fn label_widths(folder: &Folder, name: &str) -> Vec<usize> {
+    let picture = image::load_from_memory(&folder.read(name)).expect("a picture").into_rgb8();
+    let mut boxes = BTreeSet::new();
+    for row in picture.rows() {
+        let pixels: Vec<bool> = row.map(|pixel| pixel.0 == [16; 3]).collect();
+        let runs = pixels.chunk_by(|a, b| a == b).scan(0, |end, run| {
+            *end += run.len();
+            Some((*end, run.len(), run[0]))
+        });
+        boxes.extend(runs.filter(|(_, length, is_dark)| *is_dark && *length > 40));
+    }
+    boxes.into_iter().map(|(_, width, _)| width).collect()
+}
+
+/// Of characters 6 px apart, 2 px of margin on either side.
+fn label_width(range: &Value, frames: &str) -> usize {
+    let (depth_m, sigma_m) = (number(range, "depth_m"), number(range, "sigma_depth_m"));
+    let decimals = (-sigma_m.log10().floor()).max(0.0) as usize;
+    format!("{depth_m:.decimals$} ± {sigma_m:.decimals$} m{frames}").chars().count() * 6 + 3
+}
+
+#[test]
+fn an_overlay_tells_how_many_frames_agree() {
+    let (folder, _) = simulated(&setup(0.5, ""));
+    let found = frame(&folder, &["--frame-interval-s", "0.04", "--overlay", "seen.png"]);
+    for (index, frames) in [(0, ""), (1, " (2)"), (FRAMES - 1, " (5)")] {
+        let mut widths = label_widths(&folder, &format!("seen-frame-{index:04}.png"));
+        let mut expected: Vec<_> = ranges(&found, index).iter().map(|range| label_width(range, frames)).collect();
+        widths.sort_unstable();
+        expected.sort_unstable();
+        assert_eq!(widths, expected, "frame {index}");
     }
 }
 
