@@ -129,6 +129,37 @@ fn a_moving_object_looks_static_until_the_camera_changes_its_speed() {
     assert!(braked[first..].iter().all(|status| *status == RangeStatus::Moving), "{braked:?}");
 }
 
+/// Statuses and names of a post that is seen in some of 46 frames, and that may stand elsewhere from frame 10 on.
+fn told_of_a_post(moves_m: f64, is_seen: impl Fn(u32) -> bool) -> Vec<Option<(RangeStatus, Option<u32>)>> {
+    let random = &mut seed(21);
+    let journey = Journey { path: Path::straight([-0.4, 0.0, 0.0]), ..Journey::vga() };
+    let setup = journey.setup::<f64>(tilt_of(TENTH_DEGREE));
+    let mut drive = Drive::new(setup, journey.interval_s, |frame| journey.known(frame, Disturbance::default()));
+    let frame = |frame| {
+        let post = Post::at(if frame < 10 { -0.4 } else { -0.4 + moves_m }, 2.0);
+        let points = if is_seen(frame) { journey.points(&[post], frame, random) } else { vec![] };
+        drive.frame(&points).first().map(|range| (range.status, range.line_id))
+    };
+    (0..46).map(frame).collect()
+}
+
+/// By 1.8 px, which is neither noise nor another post.
+#[test]
+fn what_has_moved_is_static_again_after_thirty_frames() {
+    let told = told_of_a_post(0.006, |_| true);
+    let is_moving = |frame: usize| told[frame].is_some_and(|(status, _)| status == RangeStatus::Moving);
+    assert!((0..46).all(|frame| is_moving(frame) == (10..40).contains(&frame)), "{told:?}");
+}
+
+#[test]
+fn what_is_hidden_is_remembered_for_thirty_frames() {
+    for (hidden, is_remembered) in [(30, true), (31, false)] {
+        let told = told_of_a_post(0.0, |frame| !(5..5 + hidden).contains(&frame));
+        let name = |frame: usize| told[frame].expect("a range").1.expect("a name");
+        assert_eq!(name(4) == name(45), is_remembered, "{hidden} frames: {told:?}");
+    }
+}
+
 /// The paper's other half: a camera at rest before an object that moves is the same with the relative velocity.
 #[test]
 fn a_still_camera_ranges_a_moving_object() {

@@ -2,7 +2,8 @@
 
 // Which line is which edge (docs/model.md, section 8.6)
 
-/// Largest distance at which a line is still the edge, in sigmas: chance leaves out one of 3000.
+/// Largest distance at which a line is still the edge, in sigmas: chance leaves out one of 3000
+/// (`cargo test where_a_line_runs_on_past_a_known_edge` with half and twice as many).
 pub(super) const GATE_SIGMAS: i32 = 4;
 
 /// One sigma of how much the contrast of an edge changes from frame to frame, in hundredths of itself: 0.07 for two
@@ -14,13 +15,17 @@ pub(super) const CONTRAST_PERCENT: i32 = 15;
 pub(super) const MOST_CONTRAST_SIGMAS: i32 = 3;
 
 /// So far off may a line of the edge be for each sigma of the gate, in quarters of a pixel: edges bend, backgrounds and
-/// neighbours draw their columns aside, and what moves should still be recognised.
+/// neighbours draw their columns aside, and what moves should still be recognised
+/// (`cargo test a_moving_object_looks_static` with half).
 pub(super) const OFF_QUARTERS_PX: i32 = 3;
 
-/// Error of a line's own column, in tenths of a pixel: what real edges wander in the median.
+/// Error of a line's own column, in tenths of a pixel: what real edges wander in the median
+/// (`cargo test a_clean_sequence_is_steady` with none).
 pub(super) const COLUMN_DECIPIXELS: i32 = 1;
 
-/// A line more sigmas off than this is not where a static edge can be.
+/// A line more sigmas off than this is not where a static edge can be
+/// (`cargo test what_is_stated_of_the_motion_is_no_discontinuity` with half, `cargo test a_moving_object_looks_static`
+/// with twice as many).
 pub(super) const STATIC_SIGMAS: i32 = 5;
 
 /// A third frame that is more sigmas off does not go on from two whose time was unsure: five would leave a depth that
@@ -28,13 +33,14 @@ pub(super) const STATIC_SIGMAS: i32 = 5;
 pub(super) const DOUBTFUL_SIGMAS: i32 = 3;
 
 /// Parts of an edge wander from its line, one sigma as a part of a pixel: 0.1 px in the median of real edges, 0.21 px
-/// in one of ten.
+/// in one of ten (`cargo test where_a_line_runs_on_past_a_known_edge` with half as many parts).
 pub(super) const WANDER_PARTS_PX: i32 = 4;
 
 /// Half the width of the strip beside a prediction in which parallel lines are counted.
 pub(super) const STRIP_PX: i32 = 32;
 
-/// Two edges nearer than this shift each other's columns: the spread functions of both.
+/// Two edges nearer than this shift each other's columns: the spread functions of both
+/// (`cargo test association_is_by_prediction` with twice as much).
 pub(super) const NEAR_PX: i32 = 8;
 
 /// Fewer samples do not tell bearing, depth and tilt.
@@ -46,7 +52,8 @@ pub(super) const LEAST_SAMPLES: usize = 3;
 /// frames: in a drive through texture there are many single frames (`cargo test what_stands_out_a_little_waits`).
 pub(super) const CLEAR_TIMES: u64 = 2;
 
-/// Frames that must agree on an edge that no single one shows well: in two, time and depth are the same.
+/// Frames that must agree on an edge that no single one shows well: in two, time and depth are the same
+/// (`cargo test waits_for_three_frames`).
 pub(super) const TELLING_FRAMES: u32 = 3;
 
 /// Tentative edges of a frame that may come to be told although their lines agree by chance: an upper bound, since most
@@ -54,18 +61,21 @@ pub(super) const TELLING_FRAMES: u32 = 3;
 pub(super) const CHANCE_EDGES: i32 = 1;
 
 /// Frames in a row that must agree with a static edge before one that has moved counts as static again: a second, at
-/// usual rates.
+/// usual rates (`cargo test what_has_moved_is_static_again`).
 pub(super) const HOLD_OFF_FRAMES: u16 = 30;
 
-/// A landmark that is missed in more frames in a row is forgotten: a second, at usual rates.
+/// A landmark that is missed in more frames in a row is forgotten: a second, at usual rates
+/// (`cargo test what_is_hidden_is_remembered`).
 pub(super) const MOST_MISSED: u16 = 30;
 
 /// One sigma of the time between two frames which no other edge has shown to be right, as a part of it: after a lost
-/// frame all is twice as far as it seems, which is within two sigma of an inverse depth that is good to this part.
+/// frame all is twice as far as it seems, which is within two sigma of an inverse depth that is good to this part
+/// (`cargo test a_torn_frame_between_the_first_two`).
 pub(super) const UNSURE_TIME: (i32, i32) = (3, 10);
 
 /// How far backgrounds and neighbours that change from frame to frame draw the column of a whole edge aside, in units
-/// of the roughness of edges: 0.09 px in the median of real edges, at 0.03 px of roughness.
+/// of the roughness of edges: 0.09 px in the median of real edges, at 0.03 px of roughness
+/// (`cargo test the_wander_of_an_edge_is_common` with half).
 pub(super) const DRIFT_PER_ROUGHNESS: i32 = 3;
 
 // Frames that do not follow on (section 8.9)
