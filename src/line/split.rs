@@ -383,7 +383,7 @@ mod tests {
                 if row < 240 { 300.0 + wander_px } else { 301.5 }
             };
             let mut line: Line<16> = Line::new(point(0, column_px(0), 0.02));
-            let rows = (1..160).chain(240..400);
+            let rows = (1..160).chain(240..304);
             rows.for_each(|row| line.push(point(row, column_px(row), 0.02)).expect("rows in order"));
             let line = of_pixels(line);
             let cut = line.cut().expect("two parts");
