@@ -118,6 +118,32 @@ fn the_colours_of_a_mosaic_are_no_noise() {
     assert_eq!(scanner.noise_q8(), Scanner::new().noise_q8());
 }
 
+/// Where nothing is in view some rows are not scanned: of a mosaic none of its two kinds only. A bar of a colour that
+/// every second row alone shows is found, whichever these are.
+#[test]
+fn bars_of_one_colour_are_found() {
+    const FIRST: u16 = 97;
+    let setup = moving(1.5).setup::<f32>();
+    for kind in [0, 1] {
+        let mut ranger = BoardRanger::new();
+        for row in 0..ROWS {
+            let mut pixels = [90; COLUMNS as usize];
+            // It moves to the left by a pixel in eight rows.
+            let left = 180 - usize::from(row) / 8;
+            let is_shown = row >= FIRST && row % 2 == kind;
+            if let Some(bar) = pixels.get_mut(left..left + 40).filter(|_| is_shown) {
+                bar.iter_mut().skip(left % 2).step_by(2).for_each(|pixel| *pixel = 190);
+            }
+            ranger.row(&setup, row, Bayer::new(&pixels[..], row)).expect("rows in order");
+        }
+        ranger.end_frame(&setup);
+        let lines: Vec<_> = core::iter::from_fn(|| ranger.next_line()).collect();
+        assert_eq!(lines.len(), 2, "rows of kind {kind}: {lines:#?}");
+        // Either kind is looked at in two of four rows.
+        assert!(lines.iter().all(|line| (FIRST..FIRST + 6).contains(&line.first().row)), "{lines:#?}");
+    }
+}
+
 #[test]
 fn a_row_with_too_few_bytes_is_refused() {
     let setup = Setup::pinhole(COLUMNS, ROWS, 300.0_f32, 33_300_000).expect("a sound setup");

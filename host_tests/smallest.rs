@@ -255,3 +255,16 @@ fn scanned_points_are_ranged_as_well_as_their_sigma_says() {
     let off = (squares / 80.0).sqrt();
     assert!(off < 1.0, "{off} sigma");
 }
+
+/// More edges than a row's buffer holds.
+#[test]
+fn scanned_rows_that_cannot_be_read_are_counted() {
+    let setup = setup();
+    let pixels: [u8; COLUMNS as usize] = core::array::from_fn(|column| if column / 8 % 2 == 0 { 60 } else { 180 });
+    let mut ranger: Ranger<8, 8, 16, Strict> = Ranger::strict();
+    for row in 0..ROWS {
+        ranger.scanned_row(&setup, row, &pixels).expect("rows in order");
+    }
+    assert_eq!(ranger.counters().crowded_rows, u32::from(ROWS));
+    assert!(ranger.counters().dropped_points > u32::from(ROWS));
+}

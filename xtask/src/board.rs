@@ -46,6 +46,14 @@ impl Board {
         }
     }
 
+    /// The number types that one would choose there.
+    pub(crate) const fn back_ends(self) -> &'static [BackEnd] {
+        match self {
+            Self::M0 | Self::Microbit | Self::M3 | Self::Rv32 => &[BackEnd::F32, BackEnd::Fixed],
+            Self::M4F | Self::M7 | Self::M33 => &[BackEnd::F32, BackEnd::Micro, BackEnd::Fixed],
+        }
+    }
+
     /// The memory map, where it is not that of the target.
     pub(crate) const fn map(self) -> Option<&'static str> {
         match self {

@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     /// Only this board (several times for several)
     #[arg(long)]
     board: Vec<Board>,
-    /// Only this number type
+    /// Only this number type (without: those that one would choose on the board)
     #[arg(long)]
     backend: Vec<BackEnd>,
     /// Only this optimisation
@@ -80,7 +80,7 @@ fn configurations(arguments: &Arguments) -> Vec<(Board, BackEnd, Opt)> {
     let mut all = Vec::new();
     for opt in chosen(&arguments.opt, if arguments.check { &[Opt::Speed] } else { Opt::value_variants() }) {
         for board in chosen(&arguments.board, Board::value_variants()) {
-            for backend in chosen(&arguments.backend, BackEnd::value_variants()) {
+            for backend in chosen(&arguments.backend, board.back_ends()) {
                 if !arguments.check || CHECKED.contains(&(board, backend)) {
                     all.push((board, backend, opt));
                 }

@@ -6,12 +6,13 @@
 use core::hint::black_box;
 
 use budget_firmware::Number;
+use shutter_range::format::Compact;
 use shutter_range::rse::{Endpoint, Shear, range_of_endpoints};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Texture};
 use shutter_range::{
     Camera, Distortion, EdgePoint, Intrinsics, LensBlur, Line, Motion, MotionBlur, ParameterError, Range, RangeStatus,
     Ranger, Readout, ReadoutDirection, Response, Sample, Scalar, Scanner, SensorClock, Sequence, Setup, Sigmas,
-    StampConvention, Trajectory, TrajectoryConfig, Twist, Uncertainty, fit,
+    StampConvention, Strict, Trajectory, TrajectoryConfig, Translation, Twist, Uncertainty, fit,
 };
 
 const ROWS: u16 = 96;
@@ -59,8 +60,13 @@ fn motion() -> Result<Twist<Number>, ParameterError> {
 /// The number of the part that has not done its work; zero where all have.
 fn failed_part(ranger: &mut Tables) -> i32 {
     let (Ok(setup), Ok(motion)) = (setup(black_box(true)), motion()) else { return 1 };
-    let parts =
-        [pixels(ranger, &setup, &motion), points(ranger, &setup, &motion), Ok(by_hand(&setup, &motion)), equations()];
+    let parts = [
+        pixels(ranger, &setup, &motion),
+        small(&setup),
+        points(ranger, &setup, &motion),
+        Ok(by_hand(&setup, &motion)),
+        equations(),
+    ];
     (2..).zip(parts).find(|(_, went_well)| *went_well != Ok(true)).map_or(0, |(part, _)| part)
 }
 
@@ -100,6 +106,31 @@ fn pixels(ranger: &mut Tables, setup: &Setup<Number>, motion: &Twist<Number>) ->
         }
     }
     Ok(truths > 0 && scanned > 0 && ranged > 0 && ranger.counters().stray_points > 0)
+}
+
+/// What small programs use: rows that are only scanned or compact, lines and ranges that are not repaired.
+#[inline(never)]
+fn small(setup: &Setup<Number>) -> Result<bool, ParameterError> {
+    let motion = Translation::level([number(-2, 1), Number::ZERO, number(1, 10)])?;
+    let (mut ranger, mut ranged): (Ranger<4, 8, 8, Strict>, _) = (Ranger::strict(), 0_u32);
+    for frame in 0..2 {
+        for row in 0..ROWS {
+            let mut pixels = [black_box(60_u8); COLUMNS as usize];
+            let from = 40 + usize::from(row) / 8;
+            pixels.get_mut(from..from + 24).into_iter().flatten().for_each(|pixel| *pixel = 180);
+            let _ = if black_box(frame) == 0 {
+                ranger.scanned_row(setup, black_box(row), &pixels)
+            } else {
+                ranger.row(setup, black_box(row), Compact(&pixels))
+            };
+        }
+        ranger.end_frame(setup);
+        while let Some(line) = ranger.next_line() {
+            let ranges = [Range::strict(setup, &motion, &line), Range::without_blur(setup, &motion, &line)];
+            ranged += ranges.iter().filter(|range| range.estimate.inverse_depth_per_m.is_finite()).count() as u32;
+        }
+    }
+    Ok(ranged >= 8)
 }
 
 /// Edge points: rows in order and not, ends of rows, a sequence under a trajectory.
