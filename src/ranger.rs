@@ -6,8 +6,8 @@ use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Scanner};
 use crate::error::{EdgeError, RowError};
 use crate::format::Pixels;
 use crate::line::{
-    Candidates, Counters, Flanks, Line, Repair, Repaired, RowClock, RowTime, Strict, Tracker, begins, looks,
-    looks_beside, looks_for_halo,
+    Candidates, Counters, Flanks, Line, Repair, Repaired, RowClock, RowTime, Strict, Tracker, looks, looks_beside,
+    looks_for_halo, looks_for_new,
 };
 use crate::motion::Motion;
 use crate::range::Range;
@@ -182,7 +182,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         if is_full {
             candidates.add_columns(&mut asked);
         }
-        let is_scanned = !is_steady || begins(row, pixels.mosaic_row().is_some());
+        let is_scanned = !is_steady || looks_for_new(row, pixels.mosaic_row().is_some());
         let asked = (is_full || !is_scanned).then_some(&asked[..]);
         let is_blinded = self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row), |point| {
             if points.push(point.at(row, at.time_ns)).is_err() {
@@ -211,7 +211,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
 
     /// Takes one row of pixels as [`row`](Self::row), but finds edges by scanning alone: what no row shows on its own is
     /// not found, a point is as good as its row makes it, and edges within eight pixels of each other are not told apart.
-    /// A program whose rows are all taken so holds no models of edges: 26 kB less flash on a Cortex-M0.
+    /// A program whose rows are all taken so holds no models of edges: 26 kB less flash on a Cortex-M0 (`scanned` beside `smallest` in docs/budget.md).
     ///
     /// What is around a line is not looked at, and so none is [`Cluttered`](crate::RangeStatus::Cluttered): in texture, lines
     /// may be there by chance. It is for edges before plain backgrounds.

@@ -6,8 +6,8 @@ use super::pixels::{MosaicRow, Pixels};
 
 /// The same rows, for a program that is to be small: their edges are located in the one way that all formats have.
 ///
-/// A program whose rows are all of this kind takes 12 kB less flash on a Cortex-M0, and half as many instructions again
-/// where rows show edges (docs/budget.md has both); what it finds is the same to a third of what noise does to it (`cargo
+/// A program whose rows are all of this kind takes less flash, and half as many instructions again where rows show edges
+/// (docs/budget.md has both); what it finds is the same to a third of what noise does to it (`cargo
 /// test compact`).
 ///
 /// ```

@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use heapless::Vec;
 
-use super::tuning::{BEGIN_ROWS, LOOK_BESIDE_ROWS};
+use super::tuning::{LOOK_BESIDE_ROWS, LOOK_FOR_NEW_ROWS};
 use crate::edge::{EdgePoint, Polarity};
 
 /// Where the scanner's differences are those of located lines that stand alone, from left to right but for some that
@@ -30,10 +30,10 @@ pub(crate) const fn looks_beside(row: u16) -> bool {
     row.is_multiple_of(LOOK_BESIDE_ROWS)
 }
 
-/// Whether a row that shows each line as the row before did is scanned for others: some are, of a mosaic of each kind.
-pub(crate) const fn begins(row: u16, is_mosaic: bool) -> bool {
+/// Whether a row that shows each line as the row before did is scanned for new ones: some are, of a mosaic of each kind.
+pub(crate) const fn looks_for_new(row: u16, is_mosaic: bool) -> bool {
     let turn = if is_mosaic { row / 2 } else { row };
-    turn.is_multiple_of(BEGIN_ROWS)
+    turn.is_multiple_of(LOOK_FOR_NEW_ROWS)
 }
 
 /// What the located lines of a row explain, from left to right.

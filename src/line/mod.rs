@@ -25,7 +25,7 @@ mod tracker;
 
 pub(crate) use candidates::Candidates;
 pub use counters::Counters;
-pub(crate) use explained::{Flanks, begins, looks_beside};
+pub(crate) use explained::{Flanks, looks_beside, looks_for_new};
 pub(crate) use knot::Knot;
 pub(crate) use learning::{looks, looks_for_halo};
 pub use line::{Line, OutOfOrder};

@@ -148,7 +148,7 @@ pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 /// While nothing begins or ends, what may begin is looked for in every so many rows: that is most of what an empty row
 /// costs, and a line is found so much later at most (`frames::a_post_is_found_in_single_precision`,
 /// `cargo xtask budget --use flat`).
-pub(super) const BEGIN_ROWS: u16 = 2;
+pub(super) const LOOK_FOR_NEW_ROWS: u16 = 2;
 
 /// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).

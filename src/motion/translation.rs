@@ -6,7 +6,7 @@ use crate::error::ParameterError;
 use crate::scalar::{Scalar, scale};
 
 /// Constant velocity without turning: a [`Twist`](crate::Twist) for programs in which the camera never turns within a
-/// frame, as on a rail or a slider. Without any other motion such a program takes 2 to 3 kB less flash.
+/// frame, as on a rail or a slider. Without any other motion such a program takes less flash.
 ///
 /// ```
 /// use shutter_range::{Motion, Translation};

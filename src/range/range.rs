@@ -65,7 +65,7 @@ impl<S: Scalar> Range<S> {
     ///
     /// A blur that contradicts the slope is no objection here: edges that lean are `Ok` or `Far` as without an exposure.
     /// A program that ranges no line otherwise, but takes them by [`Ranger::next_line`](crate::Ranger::next_line), does
-    /// not hold what measures blur: 4 kB on a Cortex-M0.
+    /// not hold what measures blur.
     ///
     /// *Cost*: as [`from_line`](Self::from_line) without an exposure.
     #[must_use]
@@ -77,8 +77,8 @@ impl<S: Scalar> Range<S> {
     /// [`without_blur`](Self::without_blur); any other line is [`Bent`](RangeStatus::Bent).
     ///
     /// Where the usual range has a wider sigma for an edge that wanders, or leaves out what lies far off, this one refuses
-    /// the line: of clean edges one in sixteen (`cargo test strict`). A program that ranges no line otherwise does not
-    /// hold what repairs: another 6 to 9 kB on a Cortex-M0. Roughness counts as if it were twice as large, which covers how
+    /// the line: of clean edges less than one in ten (`cargo test strict`). A program that ranges no line otherwise does
+    /// not hold what repairs. Roughness counts as if it were twice as large, which covers how
     /// it is alike from knot to knot where these have four rows and more.
     ///
     /// *Cost*: at most that of [`without_blur`](Self::without_blur).

@@ -17,7 +17,7 @@ struct Limits {
     ram: u64,
 }
 
-// As measured. More than a third of the flash is the simulator. Optimised for size where all that a board does is in it; rows
+// As measured, the simulator included. Optimised for size where all that a board does is in it; rows
 // alone need the least stack optimised for speed.
 const LIMITS: [Limits; 3] = [
     Limits { program: "microbit_lines", backend: BackEnd::F32, opt: Opt::Speed, flash: 136 * 1024, ram: 10 * 1024 },
