@@ -28,7 +28,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 184 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 208 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -127,10 +127,10 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
                 let EdgePoint { row, column_q16, .. } = point;
                 let at = match self.row.last() {
                     // Most come in the order of their columns.
-                    Some(before) if before.column_q16 < column_q16 => self.row.len(),
+                    Some(before) if before.column_q16 < column_q16 => None,
                     _ => match self.row.binary_search_by_key(&column_q16, |other| other.column_q16) {
                         Ok(_) => return Err(EdgeError::Duplicate { row, column_q16 }),
-                        Err(at) => at,
+                        Err(at) => Some(at).filter(|at| *at < self.row.len()),
                     },
                 };
                 let was_irregular = last.clock.is_irregular;
@@ -141,15 +141,15 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
                 }
                 (at, time_ns)
             }
-            _ => (0, self.begin_row(setup, &point)?),
+            _ => (None, self.begin_row(setup, &point)?),
         };
-        self.tracker.count_points(1);
         let point = EdgePoint { time_ns, ..point };
-        let taken = match self.row.len() {
-            len if at >= len => self.row.push(point),
-            _ => self.row.insert(at, point),
+        let taken = match at {
+            None => self.row.push(point),
+            Some(at) => self.row.insert(at, point),
         };
         if taken.is_err() {
+            self.tracker.count_points(1);
             self.tracker.count_dropped_point();
         }
         Ok(())
@@ -266,7 +266,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// [`Ranger::end_frame`]. For drivers that notice a lost line or an overrun themselves.
     pub fn tear(&mut self) {
         self.frame = Frame::Torn;
-        // A row has fewer points than pixels, of which there are at most 32767.
+        self.tracker.count_points(self.row.len() as u32);
         self.tracker.count_stray(self.row.len() as u32);
         self.row.clear();
         self.tracker.abandon();
@@ -290,18 +290,16 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// *Errors*: [`EdgeError::RowOrder`] for a row that was read before the last one, and [`EdgeError::FrameOfPixels`]
     /// and [`EdgeError::Torn`] as for a point.
     pub fn end_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16) -> Result<(), EdgeError> {
-        let last = self.last_row()?;
-        let time_ns = match last {
-            Some(last) if last.row == row && !last.complete => last.time_ns,
-            _ => {
-                check_row_order(setup, last, row)?;
+        match self.last_row()? {
+            Some(last) if last.row == row && !last.complete => {}
+            last => {
+                check_row_order(setup, last.map(|last| last.row), row)?;
                 self.complete_row(setup)?;
-                last.map_or(i64::MIN, |last| last.time_ns)
+                let begin = || RowClock::new(setup, row, setup.readout().row_time_ns(row));
+                let (time_ns, clock) = last.map_or_else(|| (i64::MIN, begin()), |last| (last.time_ns, last.clock));
+                self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false, clock });
             }
-        };
-        let begin = || RowClock::new(setup, row, setup.readout().row_time_ns(row));
-        let clock = last.map_or_else(begin, |last| last.clock);
-        self.frame = Frame::OfPoints(LastRow { row, time_ns, complete: false, clock });
+        }
         self.complete_row(setup)
     }
 
@@ -376,6 +374,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     fn complete_row<S: Scalar>(&mut self, setup: &Setup<S>) -> Result<(), EdgeError> {
         if let Frame::OfPoints(last @ LastRow { complete: false, .. }) = &mut self.frame {
             last.complete = true;
+            self.tracker.count_points(self.row.len() as u32);
             let jump = self.tracker.row(setup.limits(), setup.camera().intrinsics().columns, last.row, &self.row);
             self.row.clear();
             if let Some(row) = jump {
@@ -389,37 +388,42 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// Completes the row before that of this point, and takes the point's time for that of a new row.
     #[inline(never)]
     fn begin_row<S: Scalar>(&mut self, setup: &Setup<S>, point: &EdgePoint) -> Result<i64, EdgeError> {
-        let (last, row) = (self.last_row()?, point.row);
-        check_row_order(setup, last, row)?;
-        if let Some(LastRow { time_ns: previous_ns, .. }) = last
-            && point.time_ns < previous_ns
-        {
-            return Err(EdgeError::TimeOrder { time_ns: point.time_ns, previous_ns });
+        let &EdgePoint { row, column_q16, time_ns: stamp_ns, .. } = point;
+        if row >= setup.camera().intrinsics().rows {
+            return Err(EdgeError::OutsideImage { row, column_q16 });
         }
-        let mut clock = last.map_or_else(|| RowClock::new(setup, row, point.time_ns), |last| last.clock);
-        let was_irregular = clock.is_irregular;
-        let time_ns = clock.time_ns(setup, row, point.time_ns)?;
+        check_row_order(setup, self.last_row()?.map(|last| last.row), row)?;
+        let Frame::OfPoints(last) = &mut self.frame else {
+            let mut clock = RowClock::new(setup, row, stamp_ns);
+            let time_ns = clock.begin_row(setup, row, stamp_ns)?;
+            self.frame = Frame::OfPoints(LastRow { row, time_ns: stamp_ns, complete: false, clock });
+            return Ok(time_ns);
+        };
+        if stamp_ns < last.time_ns {
+            return Err(EdgeError::TimeOrder { time_ns: stamp_ns, previous_ns: last.time_ns });
+        }
+        let was_irregular = last.clock.is_irregular;
+        let time_ns = last.clock.begin_row(setup, row, stamp_ns)?;
+        let has_become_irregular = last.clock.is_irregular && !was_irregular;
         self.complete_row(setup)?;
-        if clock.is_irregular && !was_irregular {
+        if has_become_irregular {
             self.tracker.retime(setup.readout());
         }
-        self.frame = Frame::OfPoints(LastRow { row, time_ns: point.time_ns, complete: false, clock });
+        if let Frame::OfPoints(last) = &mut self.frame {
+            (last.row, last.time_ns, last.complete) = (row, stamp_ns, false);
+        }
         Ok(time_ns)
     }
 }
 
-/// Whether a point can be one of this image.
+/// Whether a point can be one of this image, if its row is.
 fn check_values<S: Scalar>(setup: &Setup<S>, point: &EdgePoint) -> Result<(), EdgeError> {
-    const HOUR_NS: i64 = 3_600_000_000_000;
-    let EdgePoint { row, column_q16, time_ns, sigma_q16, .. } = *point;
-    if !setup.camera().contains(column_q16, row) {
+    let EdgePoint { row, column_q16, sigma_q16, .. } = *point;
+    if !setup.camera().contains_column(column_q16) {
         return Err(EdgeError::OutsideImage { row, column_q16 });
     }
     if !(1..=EdgePoint::MAX_SIGMA_Q16).contains(&sigma_q16) {
         return Err(EdgeError::Sigma { row, sigma_q16 });
-    }
-    if !(-HOUR_NS..=HOUR_NS).contains(&time_ns) {
-        return Err(EdgeError::TimeRange { time_ns });
     }
     Ok(())
 }
@@ -451,13 +455,13 @@ fn refined<P: Pixels>(points: &[EdgePoint], point: &EdgePoint, from: Option<(Pix
 }
 
 /// A row of the image that is read after the last one.
-fn check_row_order<S: Scalar>(setup: &Setup<S>, last: Option<LastRow>, row: u16) -> Result<(), EdgeError> {
+fn check_row_order<S: Scalar>(setup: &Setup<S>, last: Option<u16>, row: u16) -> Result<(), EdgeError> {
     let readout = setup.readout();
-    let follows = last.is_none_or(|last| readout.rows_before(row) > readout.rows_before(last.row));
+    let follows = last.is_none_or(|last| readout.rows_before(row) > readout.rows_before(last));
     if row < readout.rows() && follows {
         Ok(())
     } else {
-        Err(EdgeError::RowOrder { row, previous: last.map_or(row, |last| last.row) })
+        Err(EdgeError::RowOrder { row, previous: last.unwrap_or(row) })
     }
 }
 

@@ -9,7 +9,7 @@
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Counters {
-    /// Edge points that were taken: those handed over, or those found in rows of pixels.
+    /// Edge points that were taken: those handed over, once their row is complete, or those found in rows of pixels.
     pub points: u32,
     /// Edge points of no line: of tentative lines that were never confirmed (noise and texture), of a torn frame, of
     /// what frays where a line was split, and those that could be of either of two edges that are too near to each

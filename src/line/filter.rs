@@ -160,19 +160,17 @@ impl Filter {
         self.slope_q16 = self.slope_q16.saturating_add(turn_q16).clamp(-(1 << 30), 1 << 30);
     }
 
-    /// Likewise to a point of the next row, off its prediction by less than a gate, elsewhere than in texture.
+    /// Likewise to a point of the next row, off its prediction by less than a gate, elsewhere than in texture. The scatter
+    /// is left to [`Self::scatter`].
     #[inline(always)]
-    pub(super) fn follow_next(&mut self, column_q16: i32, predicted_q16: i32, memory: Memory) {
-        let off_q16 = column_q16 - predicted_q16;
-        self.scatter(off_q16, memory);
+    pub(super) fn follow_next(&mut self, off_q16: i32, predicted_q16: i32, memory: Memory) {
         self.column_q16 = predicted_q16.saturating_add(part(off_q16, memory.0.column_q16));
-        let slope_q16 = self.slope_q16.saturating_add(part(off_q16, memory.0.turn_q16));
-        self.slope_q16 = slope_q16.clamp(-(1 << 30), 1 << 30);
+        self.slope_q16 = self.slope_q16.saturating_add(part(off_q16, memory.0.turn_q16));
     }
 
     /// Takes the size of what a point is off for the scatter.
     #[inline(always)]
-    fn scatter(&mut self, off_q16: i32, memory: Memory) {
+    pub(super) fn scatter(&mut self, off_q16: i32, memory: Memory) {
         let scatter_q16 = i32::from(self.scatter_q16);
         let more_q16 = off_q16.abs().min(4 * scatter_q16) - scatter_q16;
         let mean_q16 = scatter_q16 + part(more_q16, memory.0.scatter_q16);

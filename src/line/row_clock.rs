@@ -12,11 +12,33 @@ pub(crate) struct RowClock {
     first_deviation_ns: i64,
     /// The same row's time by the readout.
     first_ns: i64,
-    /// Stamps of the row that was asked about last lie between these where they agree with the readout, in nanoseconds.
+    /// Further stamps of the row that was begun last lie between these where they agree with the readout, in nanoseconds.
     regular_ns: [i64; 2],
-    row: u16,
+    allowance: Allowance,
     /// The stamps do not rise with the rows: the readout tells the time.
     pub(crate) is_irregular: bool,
+}
+
+/// How far off the stamps of a frame may be, in nanoseconds.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Allowance {
+    /// From the first row read to the last one.
+    frame_ns: i64,
+    /// Before and after that, of stamps that agree with the readout.
+    margin_ns: i64,
+    /// Of those that do not.
+    most_lag_ns: i64,
+}
+
+impl Allowance {
+    fn of<S: Scalar>(setup: &Setup<S>) -> Self {
+        let last = setup.readout().row_after(setup.readout().rows());
+        let frame_ns = setup.readout().row_time_ns(last);
+        let margin_ns = part_of(frame_ns, READOUT_PART) + exposure_ns(setup) + MOST_JITTER_NS;
+        let most_lag_ns = margin_ns.max(part_of(frame_ns, 100) * MOST_LAG_PERCENT);
+        Self { frame_ns, margin_ns, most_lag_ns }
+    }
 }
 
 /// Two stamps may be so far off each other by the jitter of an interrupt.
@@ -27,6 +49,9 @@ const READOUT_PART: u32 = 20;
 
 /// Stamps that fall behind by so large a part of the frame, in percent, are no ticks or blocks, but something else.
 const MOST_LAG_PERCENT: i64 = 40;
+
+/// No stamp lies between these.
+const NONE_NS: [i64; 2] = [1, 0];
 
 /// A part of a time: in 32 bits, since a longer quotient costs ten times as much; of more than four seconds in steps of
 /// 2¹⁶ ns.
@@ -44,34 +69,37 @@ impl RowClock {
     pub(crate) fn new<S: Scalar>(setup: &Setup<S>, row: u16, stamp_ns: i64) -> Self {
         let first_ns = setup.readout().row_time_ns(row);
         let first_deviation_ns = stamp_ns.saturating_sub(first_ns);
-        // None is regular before one has been asked about.
-        Self { first_deviation_ns, first_ns, regular_ns: [1, 0], row, is_irregular: false }
+        let allowance = Allowance::of(setup);
+        Self { first_deviation_ns, first_ns, regular_ns: NONE_NS, allowance, is_irregular: false }
     }
 
-    /// Takes the stamp of a row and returns the row's time.
+    /// Takes a further stamp of a row that has begun and returns the row's time.
     ///
-    /// *Errors*: [`EdgeError::Stamp`], where nothing changes.
+    /// *Errors*: as [`Self::begin_row`].
     pub(crate) fn time_ns<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, stamp_ns: i64) -> Result<i64, EdgeError> {
-        match setup.stamp_policy() {
-            StampPolicy::Trusted => return Ok(stamp_ns),
-            StampPolicy::Ignored => return Ok(setup.readout().row_time_ns(row)),
-            StampPolicy::Checked => {}
-        }
         let [from_ns, to_ns] = self.regular_ns;
-        if row == self.row && !self.is_irregular && (from_ns..=to_ns).contains(&stamp_ns) {
-            return Ok(stamp_ns);
-        }
-        self.check(setup, row, stamp_ns)
+        if (from_ns..=to_ns).contains(&stamp_ns) { Ok(stamp_ns) } else { self.begin_row(setup, row, stamp_ns) }
     }
 
-    /// Likewise for the first stamp of a row, or one that disagrees with the readout.
+    /// Takes the first stamp of a row and returns the row's time.
+    ///
+    /// *Errors*: [`EdgeError::TimeRange`] and [`EdgeError::Stamp`], where nothing changes.
     #[inline(never)]
+    pub(crate) fn begin_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, stamp_ns: i64) -> Result<i64, EdgeError> {
+        const HOUR_NS: i64 = 3_600_000_000_000;
+        if !(-HOUR_NS..=HOUR_NS).contains(&stamp_ns) {
+            return Err(EdgeError::TimeRange { time_ns: stamp_ns });
+        }
+        match setup.stamp_policy() {
+            StampPolicy::Trusted => Ok(stamp_ns),
+            StampPolicy::Ignored => Ok(setup.readout().row_time_ns(row)),
+            StampPolicy::Checked => self.check(setup, row, stamp_ns),
+        }
+    }
+
     fn check<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, stamp_ns: i64) -> Result<i64, EdgeError> {
         let expected_ns = setup.readout().row_time_ns(row);
-        let last = setup.readout().row_after(setup.readout().rows());
-        let frame_ns = setup.readout().row_time_ns(last);
-        let margin_ns = part_of(frame_ns, READOUT_PART) + exposure_ns(setup) + MOST_JITTER_NS;
-        let most_lag_ns = margin_ns.max(part_of(frame_ns, 100) * MOST_LAG_PERCENT);
+        let Allowance { frame_ns, margin_ns, most_lag_ns } = self.allowance;
         let usual_ns = expected_ns.saturating_add(self.first_deviation_ns);
         let deviation_ns = stamp_ns.saturating_sub(usual_ns).saturating_abs();
         let elapsed_ns = expected_ns.saturating_sub(self.first_ns);
@@ -83,13 +111,17 @@ impl RowClock {
         if !is_within || deviation_ns > most_lag_ns {
             return Err(EdgeError::Stamp { row, time_ns: stamp_ns, expected_ns });
         }
-        (self.is_irregular, self.row) = (is_irregular, row);
+        self.is_irregular = is_irregular;
         let most_ns = most_ns.min(most_lag_ns);
-        self.regular_ns = [
-            usual_ns.saturating_sub(most_ns).max(-margin_ns),
-            usual_ns.saturating_add(most_ns).min(frame_ns.saturating_add(margin_ns)),
-        ];
-        Ok(if self.is_irregular { expected_ns } else { stamp_ns })
+        self.regular_ns = if is_irregular {
+            NONE_NS
+        } else {
+            [
+                usual_ns.saturating_sub(most_ns).max(-margin_ns),
+                usual_ns.saturating_add(most_ns).min(frame_ns.saturating_add(margin_ns)),
+            ]
+        };
+        Ok(if is_irregular { expected_ns } else { stamp_ns })
     }
 }
 

@@ -185,25 +185,22 @@ impl<const KNOTS: usize> Track<KNOTS> {
         u32::from(self.filter.gate_q8) << 8
     }
 
-    /// Whether a point of its kind in the next row, at the right place, would be its own.
+    /// Whether a point of its kind in the next row, at the right place, would be its own. (It has no model, and so no texture
+    /// beside it.)
     pub(super) fn may_take_next(&self, row: u16, point: &EdgePoint) -> bool {
         let (first, last) = (self.line.first(), self.line.last());
         let advance = i32::from(row) - i32::from(last.row);
         let goes_on = advance.unsigned_abs() == 1 && advance * (i32::from(last.row) - i32::from(first.row)) > 0;
-        self.state == State::Confirmed
-            && goes_on
-            && point.time_ns >= last.time_ns
-            && point.polarity == last.polarity
-            && !self.line.is_beside_texture
+        self.state == State::Confirmed && goes_on && point.time_ns >= last.time_ns && point.polarity == last.polarity
     }
 
-    /// Takes such a point.
+    /// Takes such a point. There is no model, and so nobody asks how far its points scatter.
     #[inline(always)]
     pub(super) fn take_next_point(&mut self, point: &EdgePoint, limits: &Limits) {
         let predicted_q16 = self.next_column_q16();
         let is_as_sure = point.sigma_q16 == self.line.last.sigma_q16;
         self.line.push_next(point.row, point.time_ns, point.column_q16, point.sigma_q16, point.width_q8);
-        self.filter.follow_next(point.column_q16, predicted_q16, self.memory());
+        self.filter.follow_next(point.column_q16 - predicted_q16, predicted_q16, self.memory());
         self.missed_rows = 0;
         if !is_as_sure || self.has_gate_to_renew() {
             self.renew_gate_in_time(limits);
@@ -277,7 +274,9 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let off_q16 = column_q16.abs_diff(predicted_q16);
         self.line.push_next(at.row, at.time_ns, column_q16, sigma_q16.max(off_q16 / 2), width_q8);
         self.unexpected_points = 0;
-        self.filter.follow_next(column_q16, predicted_q16, self.memory());
+        let (off_q16, memory) = (column_q16 - predicted_q16, self.memory());
+        self.filter.scatter(off_q16, memory);
+        self.filter.follow_next(off_q16, predicted_q16, memory);
         if self.has_gate_to_renew() {
             self.renew_gate_in_time(limits);
         }

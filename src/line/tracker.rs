@@ -197,6 +197,7 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     }
 
     /// Takes the times of all lines of this frame from the readout.
+    #[inline(never)] // seldom
     pub(crate) fn retime(&mut self, readout: &Readout) {
         for track in self.table.tracks_mut() {
             track.line.retime(readout);

@@ -175,9 +175,14 @@ impl<S: Scalar> Camera<S> {
     /// border half a pixel beyond them.
     #[must_use]
     pub const fn contains(&self, column_q16: i32, row: u16) -> bool {
+        self.contains_column(column_q16) && row < self.intrinsics.rows
+    }
+
+    /// Likewise of the column alone.
+    pub(crate) const fn contains_column(&self, column_q16: i32) -> bool {
         const ONE: i32 = 1 << 16;
         let width = (self.intrinsics.columns as i32) << 16;
-        column_q16 >= -ONE && column_q16 <= width && row < self.intrinsics.rows
+        column_q16 >= -ONE && column_q16 <= width
     }
 
     /// The direction in which the pixel at `column`, `row` looks; `None` where the model of the lens folds over, which
