@@ -1,4 +1,4 @@
-//! QVGA rows of the simulator to lines, on a board with 16 KiB of RAM: both sides of two bars.
+//! QVGA rows to lines, on a board with 16 KiB of RAM: both sides of two bars.
 #![no_std]
 #![no_main]
 

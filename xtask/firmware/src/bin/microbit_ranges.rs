@@ -1,5 +1,4 @@
-//! QVGA rows of the simulator to ranges, on a board with 16 KiB of RAM: both sides of two bars, in the smallest
-//! program for it.
+//! QVGA rows to ranges, on a board with 16 KiB of RAM: both sides of two bars, in the smallest program for it.
 #![no_std]
 #![no_main]
 
