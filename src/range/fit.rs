@@ -271,8 +271,14 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     fn sensitivity<M: Motion<S>>(&self, motion: &M, sensitivity: &mut Sensitivity<S>) {
         let Solved { at, solution, .. } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
-        let direction = prior.axes(motion).with(*at).direction();
+        let direction = self.direction(motion);
         Settled { setup, motion, prior, observations, equations, at, direction, solution }.sensitivity(sensitivity);
+    }
+
+    /// Of the line that the equations were linearised about.
+    #[inline(never)]
+    fn direction<M: Motion<S>>(&self, motion: &M) -> [S; 3] {
+        self.prior.axes(motion).with(self.last.at).direction()
     }
 
     #[inline(never)]

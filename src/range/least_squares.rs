@@ -210,6 +210,7 @@ impl<S: Scalar> Solution<S> {
     }
 
     /// From these sums, each, to changes of bearing, inverse depth and tilt.
+    #[inline(never)] // what it needs is not on the stack while these sums are made
     pub(super) fn respond_all(&self, responses: &mut [[S; 3]]) {
         let [per_weight, per_qq, per_ww] = [self.weight, self.qq, self.ww].map(over);
         for response in responses {

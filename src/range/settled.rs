@@ -7,8 +7,8 @@ use super::prior::Prior;
 use super::sensitivity::Sensitivity;
 use super::shared_error::{SHARED_ERRORS, SharedError};
 use super::unknowns::Unknowns;
-use crate::motion::Motion;
-use crate::scalar::{Scalar, cross, dot, scale, sub};
+use crate::motion::{Motion, Pose};
+use crate::scalar::{Scalar, add, cross, dot, scale, sub};
 use crate::setup::Setup;
 
 /// Errors that each observation has a part of its own of: all but tilt, lens and speed.
@@ -28,8 +28,8 @@ pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
 }
 
 impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
-    // Not inlined, as its parts: what each of them needs then leaves the stack before the next one comes.
-    #[inline(never)]
+    // Not inlined are its parts: what each of them needs then leaves the stack before the next one comes.
+    #[inline(always)]
     pub(super) fn sensitivity(&self, Sensitivity(effects): &mut Sensitivity<S>) {
         *effects = [[S::ZERO; 3]; SHARED_ERRORS];
         self.respond_of_observations(effects);
@@ -50,9 +50,10 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
         let inliers =
             observations.iter().zip(&equations.observed).filter(|(observation, _)| observation.normals.is_inlier);
         for (observation, equation) in inliers.filter(|_| counts != [false; OF_EACH]) {
-            let (equation, errors) = (&equation.whole(equations.units), self.errors(observation));
-            for ((response, error), _) in of_each.iter_mut().zip(errors).zip(counts).filter(|(_, counts)| *counts) {
-                solution.respond(response, equation, error);
+            let errors = self.errors(observation, &self.motion.pose(observation.time_s()));
+            let equation = &equation.whole(equations.units);
+            for ((response, error), _) in of_each.iter_mut().zip(&errors).zip(counts).filter(|(_, counts)| *counts) {
+                solution.respond(response, equation, *error);
             }
         }
     }
@@ -85,25 +86,27 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
     /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an
     /// observation, in its sigma.
     #[inline(never)]
-    fn errors(&self, observation: &Observation<S>) -> [S; OF_EACH] {
+    fn errors(&self, observation: &Observation<S>, pose: &Pose<S>) -> [S; OF_EACH] {
         let (none, rho) = (S::ZERO, self.at.inverse_depth);
         let per_miss = -(observation.per_sigma() / self.at.residual(&observation.normals).whole_per_px());
-        let pose = self.motion.pose(observation.time_s());
         let is_steady = !M::MAY_TURN || self.motion.keeps_attitude();
-        let turn = |direction| if is_steady { direction } else { pose.rotate(direction) };
         let [u, w] = observation.bearings();
-        let ahead = turn([none, none, S::ONE]);
-        let direction = turn([u, w, S::ONE]);
-        // F = d · h
-        let place = sub([self.at.bearing, none, S::ONE], scale(pose.position_m, rho));
-        let h = cross(self.direction, place);
-        let of_rate = scale(cross(direction, h), observation.time_s() * per_miss);
+        // R (u, w, 0), and R (u, w, 1)
+        let (aside, direction) = if is_steady {
+            ([u, w, none], [u, w, S::ONE])
+        } else {
+            let aside = pose.rotation.map(|[of_u, of_w, _]| (of_u * u).plus_product(of_w, w));
+            (aside, add(aside, pose.rotation.map(|[_, _, ahead]| ahead)))
+        };
         // The camera is further along its path, and has turned further.
         let m = cross(direction, self.direction);
         let of_advance = -(rho * observation.time_s() * dot(m, pose.velocity_m_s)) * per_miss;
+        // F = d · h
+        let place = sub([self.at.bearing, none, S::ONE], scale(pose.position_m, rho));
+        let h = cross(self.direction, place);
+        let of_focal = dot(aside, h) * per_miss;
+        let of_rate = scale(cross(direction, h), observation.time_s() * per_miss);
         let of_readout = of_advance + dot(pose.rate_rad_s, of_rate);
-        // R (u, w, 0)
-        let of_focal = dot(sub(direction, ahead), h) * per_miss;
         let [of_x, of_y, of_z] = of_rate;
         [of_x, of_y, of_z, of_readout, of_focal]
     }
