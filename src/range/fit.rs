@@ -20,7 +20,7 @@ use super::estimate::Estimate;
 use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::observation::Observer;
-use super::prior::{Prior, SampleSet};
+use super::prior::{Knowledge, Nothing, Prior, SampleSet};
 use super::problem::{Problem, Solved};
 use super::sample::{Sample, Spread};
 use super::sensitivity::Sensitivity;
@@ -87,7 +87,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item
     estimate: &mut Estimate<S>,
     kept: Option<&mut LineState<S>>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem::<S, N>::new(setup, prior);
+    let mut problem = Problem::<S, _, N>::new(setup, prior);
     problem.observe_all(motion, samples, setup.uncertainty().edge_roughness_px)?;
     problem.solve()?;
     problem.settle_without_outliers()?;
@@ -98,16 +98,15 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item
 }
 
 /// [`fit_with`] of samples that a straight edge explains with noise and roughness as stated. Where it does not, the
-/// estimate is bent: neither outliers nor a wander are sought. The prior is one without blur and earlier frames.
+/// estimate is bent: neither outliers nor a wander are sought. Nothing is known of the edge.
 #[inline(never)]
 pub(crate) fn fit_strictly<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item = Sample<S>>>(
     setup: &Setup<S>,
     motion: &M,
     samples: impl FnOnce() -> I,
-    prior: &Prior<'_, S>,
     estimate: &mut Estimate<S>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem::<S, N>::new(setup, prior);
+    let mut problem = Problem::<S, _, N>::new(setup, &Nothing);
     // How roughness is alike from sample to sample is not followed: of samples of four rows and more this is the most
     // that it can come to.
     let roughness_px = setup.uncertainty().edge_roughness_px;
@@ -122,7 +121,7 @@ pub(crate) fn fit_strictly<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<
     Ok(fitted)
 }
 
-impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
+impl<'a, S: Scalar, K: Knowledge<S>, const N: usize> Problem<'a, S, K, N> {
     #[inline(never)]
     fn observe_all<M: Motion<S>, I: Iterator<Item = Sample<S>>>(
         &mut self,
@@ -142,12 +141,12 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
             if roughness_px > S::ZERO {
                 seen.set_per_sigma(over(rough_sigma_px(&seen, roughness_px)));
             }
-            seen.normals.is_inlier = !prior.left_out.contains(index);
+            seen.normals.is_inlier = !prior.leaves_out(index);
             self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
         }
         self.share_reach();
         let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
-        let least = if free_tilt && prior.state.is_none() { 3 } else { 2 };
+        let least = if free_tilt && prior.state().is_none() { 3 } else { 2 };
         let inliers = self.observations.iter().filter(|observation| observation.normals.is_inlier).count();
         if inliers < least { Err(FitError::TooFewSamples(inliers)) } else { Ok(()) }
     }
@@ -171,7 +170,7 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     /// The problem is linear but for tilt, blur, sigmas and the noise in q, which the first round leaves out.
     #[inline(never)]
     fn solve(&mut self) -> Result<(), FitError> {
-        if let Some((state, _)) = self.prior.state {
+        if let Some((state, _)) = self.prior.state() {
             return self.settle_in_front(&state.line3.unknowns());
         }
         if self.first_without_far_samples()? {
@@ -191,10 +190,10 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
     /// Takes the samples with the sigmas that the residuals call for, unless these are white noise as stated.
     #[inline(never)]
     fn allow_for_wander(&mut self) -> bool {
-        if self.prior.is_drawn {
+        if self.prior.is_drawn() {
             return false;
         }
-        let wander = Wander::of::<N>(&self.residuals(), self.setup, self.prior.width_px);
+        let wander = Wander::of::<N>(&self.residuals(), self.setup, self.prior.width_px());
         if let Some(wander) = &wander {
             self.set_sigmas(wander);
         }
@@ -272,7 +271,8 @@ impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
         let Solved { at, solution, .. } = &self.last;
         let Self { setup, prior, observations, equations, .. } = self;
         let direction = self.direction(motion);
-        Settled { setup, motion, prior, observations, equations, at, direction, solution }.sensitivity(sensitivity);
+        Settled { setup, motion, prior: *prior, observations, equations, at, direction, solution }
+            .sensitivity(sensitivity);
     }
 
     /// Of the line that the equations were linearised about.

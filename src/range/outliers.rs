@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use super::least_squares::{Solution, solve};
+use super::prior::Knowledge;
 use super::problem::{Problem, Solved};
 use super::tuning::{
     FAR_SIGMAS, MOST_REJECTIONS, MOST_SCATTER, OUTLIER, REWEIGHTED_PART, REWEIGHTING_ROUNDS, SUSPICIOUS,
@@ -10,7 +11,7 @@ use super::tuning::{
 use crate::error::FitError;
 use crate::scalar::Scalar;
 
-impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+impl<S: Scalar, K: Knowledge<S>, const N: usize> Problem<'_, S, K, N> {
     /// The first round, without the samples that are so far off that even its equations tell: with them the rounds
     /// would lead nowhere. Whether what is left may be a straight edge.
     #[inline(never)]

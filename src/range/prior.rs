@@ -1,4 +1,4 @@
-//! [`Prior`]: what is known of an edge before its line is seen.
+//! [`Knowledge`]: what is known of an edge before its line is seen: a [`Prior`], or [`Nothing`].
 
 use super::blur::Blur;
 use super::equation::Equation;
@@ -13,7 +13,7 @@ use crate::setup::Setup;
 /// Earlier frames, or an upright edge, and the blur: each becomes an equation of the same least squares.
 #[derive(Clone, Copy)]
 pub(crate) struct Prior<'a, S: Scalar> {
-    /// What earlier frames have told; without it, the edge is upright but for the setup's sigma of tilt.
+    /// What earlier frames have told.
     pub(super) state: Option<(&'a LineState<S>, &'a [Statement<S>; 3])>,
     pub(super) blur: Option<&'a dyn Blur<S>>,
     /// Blur of the edge, one sigma in pixels.
@@ -68,15 +68,46 @@ impl<'a, S: Scalar> Prior<'a, S> {
     pub(super) fn new(state: Option<(&'a LineState<S>, &'a [Statement<S>; 3])>, left_out: SampleSet) -> Self {
         Self { state, blur: None, width_px: S::ONE, left_out, is_drawn: false }
     }
+}
+
+/// Of a line that nothing is known of, neither earlier frames nor a blur: a type of its own, so that a program whose
+/// lines are all such does not hold what asks for them.
+pub(crate) struct Nothing;
+
+/// What may be known of an edge; without earlier frames it is upright but for the setup's sigma of tilt.
+pub(crate) trait Knowledge<S: Scalar> {
+    /// What earlier frames have told.
+    fn state(&self) -> Option<(&LineState<S>, &[Statement<S>; 3])> {
+        None
+    }
+
+    fn blur(&self) -> Option<&dyn Blur<S>> {
+        None
+    }
+
+    /// Blur of the edge, one sigma in pixels.
+    fn width_px(&self) -> S {
+        S::ONE
+    }
+
+    /// Whether a sample is known to be one of something else.
+    fn leaves_out(&self, _sample: usize) -> bool {
+        false
+    }
+
+    /// Whether the line is drawn where the edge is to be expected.
+    fn is_drawn(&self) -> bool {
+        false
+    }
 
     /// The directions that samples are held against, and where the edge was.
-    pub(super) fn axes<M: Motion<S>>(&self, motion: &M) -> Line3<S> {
-        self.state.map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3)
+    fn axes<M: Motion<S>>(&self, motion: &M) -> Line3<S> {
+        self.state().map_or_else(|| Line3::start(motion.gravity()), |(state, _)| state.line3)
     }
 
     /// Its equations but for the blur's, linearised about `at`.
-    pub(super) fn equations(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(Equation<S>)) {
-        match &self.state {
+    fn equations(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(Equation<S>)) {
+        match self.state() {
             Some((state, statements)) => {
                 stated(statements).for_each(|statement| each(statement.equation(&state.line3, at)));
             }
@@ -90,8 +121,8 @@ impl<'a, S: Scalar> Prior<'a, S> {
     }
 
     /// What shared errors do to each of [`equations`](Self::equations), in the same order.
-    pub(super) fn errors(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(PriorError<'_, S>)) {
-        match &self.state {
+    fn errors(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(PriorError<'_, S>)) {
+        match self.state() {
             Some((state, statements)) => {
                 stated(statements).for_each(|statement| each(PriorError::Earlier(state, *statement)));
             }
@@ -102,6 +133,30 @@ impl<'a, S: Scalar> Prior<'a, S> {
                 }
             }
         }
+    }
+}
+
+impl<S: Scalar> Knowledge<S> for Nothing {}
+
+impl<S: Scalar> Knowledge<S> for Prior<'_, S> {
+    fn state(&self) -> Option<(&LineState<S>, &[Statement<S>; 3])> {
+        self.state
+    }
+
+    fn blur(&self) -> Option<&dyn Blur<S>> {
+        self.blur
+    }
+
+    fn width_px(&self) -> S {
+        self.width_px
+    }
+
+    fn leaves_out(&self, sample: usize) -> bool {
+        self.left_out.contains(sample)
+    }
+
+    fn is_drawn(&self) -> bool {
+        self.is_drawn
     }
 }
 

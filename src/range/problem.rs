@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::equation::{Equation, EquationUnits, Equations};
 use super::least_squares::{Solution, solve};
 use super::observation::Observation;
-use super::prior::Prior;
+use super::prior::Knowledge;
 use super::tuning::{
     FULL_ROUNDS, MIRROR_COST, MIRROR_REACH, MOST_ROUNDS, MOST_SCATTER, NEARBY_PART, RIVAL_COST, SAME_SIGMA_PART,
     SETTLED_PART,
@@ -16,9 +16,9 @@ use crate::scalar::{Arithmetic, Near, Scalar, over};
 use crate::setup::Setup;
 
 /// What is to be fitted, and the last round: its equations and what they have told.
-pub(super) struct Problem<'a, S: Scalar, const N: usize> {
+pub(super) struct Problem<'a, S: Scalar, K, const N: usize> {
     pub(super) setup: &'a Setup<S>,
-    pub(super) prior: &'a Prior<'a, S>,
+    pub(super) prior: &'a K,
     pub(super) observations: Vec<Observation<S>, N>,
     pub(super) equations: Equations<S, N>,
     pub(super) last: Solved<S>,
@@ -115,16 +115,16 @@ fn reach_of<S: Scalar>(observations: &[Observation<S>]) -> i32 {
     observations.first().map_or(0, |observation| observation.normals.units.reach())
 }
 
-impl<'a, S: Scalar, const N: usize> Problem<'a, S, N> {
+impl<'a, S: Scalar, K: Knowledge<S>, const N: usize> Problem<'a, S, K, N> {
     /// Without observations.
     // Not inlined: what it is made of would stay on the stack beside it.
     #[inline(never)]
-    pub(super) fn new(setup: &'a Setup<S>, prior: &'a Prior<'a, S>) -> Self {
+    pub(super) fn new(setup: &'a Setup<S>, prior: &'a K) -> Self {
         Self { setup, prior, observations: Vec::new(), equations: Equations::new(), last: Solved::NOTHING, blur: None }
     }
 }
 
-impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+impl<S: Scalar, K: Knowledge<S>, const N: usize> Problem<'_, S, K, N> {
     #[inline(never)]
     fn round(&mut self, at: &Unknowns<S>, round: Round) -> Result<(), FitError> {
         let equations = &mut self.equations;
@@ -156,7 +156,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
 
     /// The equation of the blur, linearised about `at`; `None` where nothing is known of it.
     fn blur_equation(&mut self, at: &Unknowns<S>) -> Option<BlurEquation<S>> {
-        let blur = self.prior.blur?;
+        let blur = self.prior.blur()?;
         if let Some((about, equation)) = &self.blur
             && about == at
         {
@@ -283,7 +283,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// The square of how far the blur, linearised anew, would move the inverse depth, in sigmas: by the change of its
     /// part in the gradient.
     fn blur_moves(&mut self) -> S {
-        let (true, Some(old)) = (self.prior.blur.is_some(), self.equations.prior.last()) else { return S::ZERO };
+        let (true, Some(old)) = (self.prior.blur().is_some(), self.equations.prior.last()) else { return S::ZERO };
         let Solved { found, solution, .. } = self.last;
         let before = solution.unsolved_q(old) * old.y;
         let Some((new, _)) = self.blur_equation(&found) else { return S::ONE };
@@ -388,7 +388,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     fn candidates(&self) -> Option<Candidates<S>> {
         let Solved { found: start, solution: first, .. } = &self.last;
         let information = first.information_of_inverse_depth();
-        let [better, other] = self.prior.blur?.either_path(start, information)?;
+        let [better, other] = self.prior.blur()?.either_path(start, information)?;
         let near = |change_per_m| start.moved(first.change_with(change_per_m));
         let rival_cost = S::from_i32(RIVAL_COST);
         // Where the blur is that of a path next to nothing, both are the same place.

@@ -7,7 +7,7 @@ use super::goodness_of_fit::GoodnessOfFit;
 use super::line_state::LineState;
 use super::line3::Line3;
 use super::observation::Observer;
-use super::prior::{Prior, SampleSet};
+use super::prior::{Knowledge, Nothing, Prior, SampleSet};
 use super::sample::Sample;
 use super::status::{Objection, RangeStatus};
 use super::tuning::{MISFIT_PER_LENGTH, ROUGHNESS_ROWS, USUAL_MISFIT};
@@ -84,11 +84,10 @@ impl<S: Scalar> Range<S> {
     /// *Cost*: at most that of [`without_blur`](Self::without_blur).
     #[must_use]
     pub fn strict<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, line: &Line<KNOTS>) -> Self {
-        let prior = Prior::new(None, SampleSet::default());
         let mut estimate = Estimate::nothing();
-        let fitted = fit_strictly::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, &mut estimate);
+        let fitted = fit_strictly::<S, M, KNOTS, _>(setup, motion, || line.samples(), &mut estimate);
         let fitted = fitted.as_ref().map(|fitted| (fitted, &estimate)).map_err(|error| *error);
-        Self::told(setup, motion, line, &prior, None, fitted)
+        Self::told(setup, motion, line, &Nothing, None, fitted)
     }
 
     /// The range of a line of which earlier frames may have told something. `known` becomes what is known of it now;
@@ -162,7 +161,7 @@ impl<S: Scalar> Range<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        prior: &Prior<'_, S>,
+        prior: &impl Knowledge<S>,
         blur: Option<&dyn Blur<S>>,
         fitted: Result<(&Fitted<S, KNOTS>, &Estimate<S>), FitError>,
     ) -> Self {
@@ -172,7 +171,7 @@ impl<S: Scalar> Range<S> {
                 range.estimate = *estimate;
                 range.fill(setup, motion, line, prior, fitted);
                 if let Some(blur) = blur {
-                    range.compare_with_blur(blur, &fitted.unknowns, prior.blur.is_some());
+                    range.compare_with_blur(blur, &fitted.unknowns, prior.blur().is_some());
                 }
             }
             Err(FitError::Sideways(_)) => range.status = RangeStatus::Sideways,
@@ -229,10 +228,10 @@ impl<S: Scalar> Range<S> {
         setup: &Setup<S>,
         motion: &M,
         line: &Line<KNOTS>,
-        prior: &Prior<'_, S>,
+        prior: &impl Knowledge<S>,
         fitted: &Fitted<S, KNOTS>,
     ) {
-        let is_single = prior.state.is_none();
+        let is_single = prior.state().is_none();
         let (top, bottom) = line.top_and_bottom();
         let line3 = &prior.axes(motion).with(fitted.unknowns);
         self.column_at_first_row = column_at(setup, motion, line3, top);

@@ -3,7 +3,7 @@
 use super::equation::Equations;
 use super::least_squares::Solution;
 use super::observation::Observation;
-use super::prior::Prior;
+use super::prior::Knowledge;
 use super::sensitivity::Sensitivity;
 use super::shared_error::{SHARED_ERRORS, SharedError};
 use super::unknowns::Unknowns;
@@ -15,10 +15,10 @@ use crate::setup::Setup;
 const OF_EACH: usize = SHARED_ERRORS - 3;
 
 /// A fit that has settled: what its equations, centred, are of, and their solution.
-pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
+pub(super) struct Settled<'a, S: Scalar, M, K, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) motion: &'a M,
-    pub(super) prior: &'a Prior<'a, S>,
+    pub(super) prior: &'a K,
     pub(super) observations: &'a [Observation<S>],
     pub(super) equations: &'a Equations<S, N>,
     /// What the equations were linearised about, and the direction of that line.
@@ -27,7 +27,7 @@ pub(super) struct Settled<'a, S: Scalar, M, const N: usize> {
     pub(super) solution: &'a Solution<S>,
 }
 
-impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
+impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M, K, N> {
     // Not inlined are its parts: what each of them needs then leaves the stack before the next one comes.
     #[inline(always)]
     pub(super) fn sensitivity(&self, Sensitivity(effects): &mut Sensitivity<S>) {
@@ -78,7 +78,9 @@ impl<S: Scalar, M: Motion<S>, const N: usize> Settled<'_, S, M, N> {
                 }
             }
         });
-        if let ([_, of_lens, ..], Some(blur)) = (effects, equations_of_prior.next()) {
+        if let ([_, of_lens, ..], Some(blur)) = (effects, equations_of_prior.next())
+            && prior.blur().is_some()
+        {
             solution.respond(of_lens, blur, -equations.per_lens_px);
         }
     }

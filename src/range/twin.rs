@@ -1,13 +1,14 @@
 //! Twins: in forward motion an edge may look like another one that leans. docs/model.md, section 3.
 
 use super::equation::Equation;
+use super::prior::Knowledge;
 use super::problem::{Problem, Solved};
 use super::tuning::{CURVE_PART, FARTHEST_TURN, LEAST_BARRIER, TWIN_COST};
 use super::unknowns::Unknowns;
 use crate::error::FitError;
 use crate::scalar::Scalar;
 
-impl<S: Scalar, const N: usize> Problem<'_, S, N> {
+impl<S: Scalar, K: Knowledge<S>, const N: usize> Problem<'_, S, K, N> {
     /// In forward motion tilt and depth differ in the second order alone, which is a parabola of the inverse depth: a
     /// twin as far beyond its turning point fits as well, but for its prior. The better of two in front of the camera is
     /// meant.
@@ -16,7 +17,7 @@ impl<S: Scalar, const N: usize> Problem<'_, S, N> {
     /// lies between them where that fits nearly as well: it belongs into sigma.
     #[inline(never)]
     pub(super) fn tell_from_twin(&mut self) -> Result<Option<[S; 3]>, FitError> {
-        if self.prior.state.is_some() || self.last.found.tilt == S::ZERO {
+        if self.prior.state().is_some() || self.last.found.tilt == S::ZERO {
             return Ok(None);
         }
         let Some((turn, sigma_per_m)) = self.turning_point() else { return Ok(None) };
