@@ -38,6 +38,7 @@ mod monte_carlo;
 mod newcomers;
 mod outliers;
 mod painted;
+mod parallel_edges;
 mod plan;
 mod post;
 mod projection;

@@ -4,28 +4,25 @@ use core::ops::Range;
 
 use super::noise::WINDOW;
 use super::pixel_row::{difference, grey};
-use super::root::root;
 use super::scanned_point::ScannedPoint;
-use super::tuning::ABRUPT;
+use super::staircase::each_step;
+use super::step_sums::StepSums;
+use super::tuning::{ABRUPT, STAIRCASE_Q8};
 use crate::format::Pixels;
 
 /// Differences that are reckoned together.
 const SLIDE: usize = 16;
-/// Sum of squares of the offsets in the sliding difference, per unit of its area: its own variance as a blur, times 2.
-const OWN_VARIANCE_Q1: u32 = 5;
 /// One sigma of what is only known to a pixel, √(1/12), in 1/65536 px.
 const PIXEL_SIGMA_Q16: u32 = 18_919;
 
-/// Sums over a run of differences of one sign, in 32 bits up to [`Run::LONGEST`].
+/// A run of differences of one sign.
 #[derive(Clone, Copy)]
 struct Run {
     /// Zero where there is none.
     sign: i32,
     /// Position of the run's first difference.
     start: usize,
-    area: u32,
-    moment: u32,
-    second: u32,
+    sums: StepSums,
     length: u32,
     peak: i32,
     /// Lowest difference since the peak.
@@ -33,14 +30,13 @@ struct Run {
 }
 
 impl Run {
-    /// Positions of the longest run that is an edge: ten times the longest blur that is told from a slope. Its sums are
-    /// below 2³⁰.
+    /// Positions of the longest run that is an edge: ten times the longest blur that is told from a slope.
     const LONGEST: u32 = 128;
 
     const NONE: Self = Self::begin(0, 0, 0);
 
     const fn begin(sign: i32, start: usize, size: i32) -> Self {
-        Self { sign, start, area: size as u32, moment: 0, second: 0, length: 1, peak: size, valley: size }
+        Self { sign, start, sums: StepSums::first(size), length: 1, peak: size, valley: size }
     }
 
     const fn end(&self) -> usize {
@@ -49,10 +45,7 @@ impl Run {
 
     fn extend(&mut self, size: i32) {
         if self.length < Self::LONGEST {
-            let moment = size as u32 * self.length;
-            self.area += size as u32;
-            self.moment += moment;
-            self.second += moment * self.length;
+            self.sums.add(size, self.length);
         }
         self.length = self.length.saturating_add(1);
         if size >= self.peak {
@@ -69,8 +62,8 @@ impl Run {
 
     /// Whether all of a step lies between two pixels. Light is never so sharp: each pixel has been made black or white,
     /// and where in the pixel the edge was has been lost. Where sharpening has done it, the pixels beside overshoot.
-    fn is_abrupt(&self, pixels: &impl Pixels, off_q16: u32) -> bool {
-        let boundary = self.start + ((off_q16 + (1 << 15)) >> 16) as usize;
+    fn is_abrupt(&self, pixels: &impl Pixels, column_q16: i32) -> bool {
+        let boundary = (column_q16 >> 16) as usize + 1;
         let mut buffer = [0; 4];
         let around = grey(pixels, boundary - 2..boundary + 2, &mut buffer).first_chunk().copied();
         let [before, left, right, after] = around.unwrap_or([0; 4]);
@@ -85,39 +78,12 @@ impl Run {
         if self.length > Self::LONGEST {
             return None;
         }
-        // A step of contrast A adds up to 16 A.
-        let contrast = (self.area + 8) >> 4;
-        let off_q16 = ratio_q16(self.moment, self.area);
-        // Position k is the boundary between pixels k − 1 and k.
-        let column_q16 = ((self.start as i64) << 16) + i64::from(off_q16) - (1 << 15);
-        let square_q16 = (u64::from(off_q16) * u64::from(off_q16)) >> 16;
-        let variance_q16 = ratio_q16(self.second, self.area).saturating_sub(square_q16 as u32);
-        // Not below the blur of a pixel alone.
-        let blur_q16 = variance_q16.saturating_sub(OWN_VARIANCE_Q1 << 15).max(1 << 13);
-        let root_q4 = root(self.length << 8);
-        let sigma_q16 = ((noise_q8 << 4).saturating_mul(root_q4)).checked_div(contrast.max(1)).unwrap_or(u32::MAX);
-        let least_q16 = if self.is_abrupt(pixels, off_q16) { PIXEL_SIGMA_Q16 } else { 1 };
-        Some(ScannedPoint {
-            column_q16: i32::try_from(column_q16).ok()?,
-            sigma_q16: sigma_q16.max(least_q16),
-            width_q8: u16::try_from(root(blur_q16)).ok()?,
-            contrast: i16::try_from(contrast as i32 * self.sign).ok()?,
-        })
+        let point = self.sums.point::<{ WINDOW as u32 }>(self.start, self.length, self.sign, noise_q8)?;
+        if self.is_abrupt(pixels, point.column_q16) {
+            return Some(ScannedPoint { sigma_q16: point.sigma_q16.max(PIXEL_SIGMA_Q16), ..point });
+        }
+        Some(point)
     }
-}
-
-/// A quotient in 1/65536 whose whole part and divisor have at most 16 and 20 bits: what 64-bit division would cost ten
-/// times on small cores.
-fn ratio_q16(numerator: u32, denominator: u32) -> u32 {
-    let split = |numerator: u32| Some((numerator.checked_div(denominator)?, numerator.checked_rem(denominator)?));
-    let parts = |rest: u32| split(rest << 8);
-    split(numerator)
-        .and_then(|(whole, rest)| {
-            let (upper, rest) = parts(rest)?;
-            let (lower, _) = parts(rest)?;
-            Some((whole << 16) + (upper << 8) + lower)
-        })
-        .unwrap_or(0)
 }
 
 /// Slides the difference of two windows over some positions and hands over each run of one sign beyond the noise. A run
@@ -127,7 +93,7 @@ pub(super) fn fine(
     pixels: &impl Pixels,
     positions: Range<usize>,
     seen: usize,
-    (least, noise_q8): (i32, u32),
+    (least, least_rise, noise_q8): (i32, i32, u32),
     found: &mut impl FnMut(ScannedPoint),
 ) -> usize {
     // Position k compares the pixels before k with those from there on, four of each.
@@ -144,7 +110,11 @@ pub(super) fn fine(
     let mut followed = end;
     let mut close = |run: &Run| {
         followed = followed.max(run.end());
-        if let Some(edge) = run.edge(pixels, noise_q8).filter(|_| is_whole(run)) {
+        let Some(edge) = run.edge(pixels, noise_q8).filter(|_| is_whole(run)) else { return };
+        // What is wider the run itself shows to be two.
+        let is_staircase = STAIRCASE_Q8.contains(&edge.width_q8)
+            && each_step(pixels, run.start..run.end(), run.sign, (least_rise, noise_q8), &mut *found);
+        if !is_staircase {
             found(edge);
         }
     };

@@ -12,7 +12,8 @@ use super::fine_scan::fine;
 use super::noise::{Across, Down, WINDOW};
 use super::scanned_point::ScannedPoint;
 use super::tuning::{
-    LEAST_DIFFERENCE, LEAST_NOISE_Q8, MOST_HIDDEN, NOISE_SIGMAS, PEAK_SIGMAS_Q1, TEXTURE_SIGMAS, UPRIGHT_RATIO,
+    LEAST_DIFFERENCE, LEAST_NOISE_Q8, LEAST_RISE, MOST_HIDDEN, NOISE_SIGMAS, PEAK_SIGMAS_Q1, RISE_Q3, TEXTURE_SIGMAS,
+    UPRIGHT_RATIO,
 };
 use crate::format::Pixels;
 
@@ -97,12 +98,14 @@ impl Scanner {
         let usual_q8 = usual(self.across.difference_q8(), self.down.difference_q8()).max(of_noise_q8);
         // What is usual is texture where noise does not explain half of it.
         let of_texture_q8 = (TEXTURE_SIGMAS * usual_q8).max(2 * NOISE_SIGMAS * of_noise_q8);
-        let least = ((NOISE_SIGMAS * usual_q8).min(of_texture_q8) >> 8).max(LEAST_DIFFERENCE);
+        let least = (NOISE_SIGMAS * usual_q8).min(of_texture_q8) >> 8;
+        let least_rise = ((least * RISE_Q3) >> 3).max(LEAST_RISE);
+        let least = least.max(LEAST_DIFFERENCE);
         let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise_q8) >> 9);
         let mut seen = 0;
         let look = |from, to| {
             between(flanks, from..to, |positions| {
-                seen = fine(&pixels, positions, seen, (least as i32, noise_q8), &mut found);
+                seen = fine(&pixels, positions, seen, (least as i32, least_rise as i32, noise_q8), &mut found);
             });
         };
         if asked.is_none_or(|asked| !asked.is_empty()) {

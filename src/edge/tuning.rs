@@ -1,5 +1,7 @@
 //! The numbers of this room that were chosen rather than derived: unit, reason, and the test that breaks without them.
 
+use core::ops::Range;
+
 /// Least noise: that of rounding to whole grey levels, in 1/256 (`scanning::noise_is_estimated`).
 pub(super) const LEAST_NOISE_Q8: u32 = 74;
 
@@ -48,6 +50,28 @@ pub(super) const PEAK_SIGMAS_Q1: u32 = 9;
 /// sharper than any, leaves three quarters there at most (`thresholded::jumps_of_a_pixel_are_not_far` with more than
 /// all).
 pub(super) const ABRUPT: (u32, u32) = (15, 16);
+
+/// What a row shows so wide, in 1/256 px, may be more than one step. Two that are 4 px apart are 1.7 px wide where one
+/// is three times the other, and two equal ones that are 8 px apart are 4.5 px wide at a blur of 2 px
+/// (`parallel_edges::two_equal_steps_are_two_lines`). Beyond, noise breaks the slope of a long blur
+/// (`parallel_edges::one_blurred_edge_is_one_line`); below, it is one step.
+pub(super) const STAIRCASE_Q8: Range<u16> = 3 << 7..9 << 7;
+
+/// Between two steps the slope falls, and rises again, by at least so many eighths of the difference of an edge: two and
+/// a half sigma of it (`parallel_edges::fainter_steps_are_two_lines` with six,
+/// `parallel_edges::one_blurred_edge_is_one_line` with four); and by so many grey levels of two pixels, of which
+/// rounding explains four (`parallel_edges::one_blurred_edge_is_one_line` with two).
+pub(super) const RISE_Q3: u32 = 5;
+pub(super) const LEAST_RISE: u32 = 6;
+
+/// And by one in so many parts of what is left between them, so that this is three quarters of either at most
+/// (`parallel_edges::an_uneven_slope_is_one_edge`, `parallel_edges::two_equal_steps_are_two_lines`).
+pub(super) const RISE_PARTS: i32 = 3;
+
+/// Two lines of one polarity are two edges where they are so much farther apart than two sigma of their blur: of what
+/// noise breaks the parts are nearer to each other (`clutter::crossing_bars_lead_no_line_astray` with two sigma,
+/// `parallel_edges::two_equal_steps_are_two_lines` with five).
+pub(super) const APART: (u32, u32) = (5, 4);
 
 /// Neighbouring classes of blur differ by this ratio: a template that is 7 % too wide or too narrow costs less than 0.5
 /// % of the column's noise (`edge::refine::tests::widths_are_unbiased_and_as_noisy_as_stated`).

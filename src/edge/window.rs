@@ -6,9 +6,15 @@ use super::norms::{Norms, Squares};
 use super::pixel_row::{PixelRow, Stretch};
 use super::point::EdgePoint;
 use super::template::{Sampled, Template};
-use super::tuning::SAME_EDGE_Q16;
+use super::tuning::{APART, SAME_EDGE_Q16};
 use super::weight::Weight;
 use crate::format::Pixels;
+
+/// How far apart two lines of one polarity are that are two edges, in 1/65536 px, given two sigma of their blur.
+pub(crate) const fn apart_of_blur_q16(blur_q16: u32) -> u32 {
+    let (times, parts) = APART;
+    blur_q16 / parts * times
+}
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
 #[derive(Clone, Copy, Debug)]
@@ -35,18 +41,32 @@ impl Neighbours {
         is_sound(self.left_q16, column_q16, left_is_edge) && is_sound(column_q16, self.right_q16, right_is_edge)
     }
 
-    /// The nearest of the edges in its row that end an edge's plateaus. One of its own polarity does not: it may be
-    /// part of the same edge, since noise can break a long blur.
+    /// The nearest of the edges in its row that end an edge's plateaus. Of a point of its own polarity that is not
+    /// known: it may be part of the same edge, since noise can break a long blur.
     pub(crate) fn among<'e>(edges: impl Iterator<Item = &'e EdgePoint>, edge: &EdgePoint) -> Self {
         let mut around = Self::NONE;
-        for column_q16 in edges.filter(|other| other.polarity != edge.polarity).map(|other| other.column_q16) {
-            if column_q16 < edge.column_q16 {
-                around.left_q16 = around.left_q16.max(column_q16);
-            } else if column_q16 > edge.column_q16 {
-                around.right_q16 = around.right_q16.min(column_q16);
-            }
-        }
+        edges.filter(|other| other.polarity != edge.polarity).for_each(|other| around.add(other, edge));
         around
+    }
+
+    /// Likewise of the points of lines: one of its own polarity is another edge's where it is beyond both blurs.
+    pub(crate) fn among_lines<'e>(lines: impl Iterator<Item = &'e EdgePoint>, edge: &EdgePoint) -> Self {
+        let mut around = Self::NONE;
+        let is_other = |other: &&EdgePoint| {
+            let blur_q16 = u32::from(other.width_q8.max(edge.width_q8)) << 9;
+            other.polarity != edge.polarity || other.column_q16.abs_diff(edge.column_q16) > apart_of_blur_q16(blur_q16)
+        };
+        lines.filter(is_other).for_each(|other| around.add(other, edge));
+        around
+    }
+
+    fn add(&mut self, other: &EdgePoint, edge: &EdgePoint) {
+        let column_q16 = other.column_q16;
+        if column_q16 < edge.column_q16 {
+            self.left_q16 = self.left_q16.max(column_q16);
+        } else if column_q16 > edge.column_q16 {
+            self.right_q16 = self.right_q16.min(column_q16);
+        }
     }
 
     /// Those of a point among the points of its row, which are in the order of their columns.

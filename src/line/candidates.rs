@@ -6,7 +6,7 @@ use heapless::Vec;
 
 use super::association::Prediction;
 use super::tuning::BESIDE_Q16;
-use crate::edge::{Neighbours, Polarity};
+use crate::edge::{Neighbours, Polarity, apart_of_blur_q16};
 
 /// A line under way, as predicted for a row.
 #[derive(Clone, Copy)]
@@ -33,12 +33,12 @@ pub(super) enum Role {
 }
 
 impl Candidate {
-    /// Whether the other one is another edge. A line of the same polarity within the blur is a fragment of the same
+    /// Whether the other one is another edge. A line of the same polarity within the blur may be a fragment of the same
     /// edge. Tentative lines must not narrow the window of a confirmed one.
     fn is_ended_by(&self, other: &Self) -> bool {
         let apart_q16 = other.prediction.column_q16.abs_diff(self.prediction.column_q16);
         matches!(other.role, Role::Confirmed | Role::Seen)
-            && (other.polarity != self.polarity || apart_q16 > 2 * self.blur_q16)
+            && (other.polarity != self.polarity || apart_q16 > apart_of_blur_q16(self.blur_q16.max(other.blur_q16)))
     }
 }
 

@@ -79,7 +79,7 @@ fn learn<P: Pixels, const LINES: usize, const KNOTS: usize>(
 ) {
     let Some(point) = table.track(place).map(|track| *track.line.last()) else { return };
     let of_row = table.tracks_under_way().filter(|track| track.line.last().row == point.row);
-    let lines = Neighbours::among(of_row.map(|track| track.line.last()), &point);
+    let lines = Neighbours::among_lines(of_row.map(|track| track.line.last()), &point);
     let untracked = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
     let model = EdgeModel::settled(pixels, &point, lines.or_nearer(untracked), noise_q8);
     if let Some(track) = table.track_mut(place) {

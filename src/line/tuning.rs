@@ -154,6 +154,11 @@ pub(super) const LOOK_FOR_NEW_ROWS: u16 = 2;
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
 pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
 
+/// A scanned point so near to a line without blur, in 1/65536 px, is the line's own even if the line has one already: a
+/// part of an edge that noise has broken (`parallel_edges::a_step_beside_one_three_times_as_strong_is_a_line` with twice;
+/// `clutter::crossing_bars_lead_no_line_astray` with neither this nor two sigma of blur).
+pub(super) const LEAST_NEAR_Q16: i32 = 3 << 15;
+
 /// Where no place is free for another line, a row is scanned around those under way: this far beyond their gates, in
 /// 1/65536 px, as far as the scanner's window of an edge reaches, and one beside which it is not read.
 pub(super) const BESIDE_Q16: u32 = 13 << 16;
