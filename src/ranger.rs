@@ -210,7 +210,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     }
 
     /// Takes one row of pixels as [`row`](Self::row), but finds edges by scanning alone: what no row shows on its own is
-    /// not found, a point is as good as its row makes it, and edges within eight pixels of each other are not told apart.
+    /// not found, a point is as good as its row makes it, and edges within eight pixels draw each other aside.
     /// A program whose rows are all taken so holds no models of edges: 26 kB less flash on a Cortex-M0 (`scanned` beside `smallest` in docs/budget.md).
     ///
     /// What is around a line is not looked at, and so none is [`Cluttered`](crate::RangeStatus::Cluttered): in texture, lines

@@ -6,7 +6,7 @@ use super::noise::WINDOW;
 use super::pixel_row::{difference, grey};
 use super::scanned_point::ScannedPoint;
 use super::staircase::each_step;
-use super::step_sums::StepSums;
+use super::step_sums::{StepSums, Windows};
 use super::tuning::{ABRUPT, STAIRCASE_Q8};
 use crate::format::Pixels;
 
@@ -78,7 +78,8 @@ impl Run {
         if self.length > Self::LONGEST {
             return None;
         }
-        let point = self.sums.point::<{ WINDOW as u32 }>(self.start, self.length, self.sign, noise_q8)?;
+        let point =
+            self.sums.point(const { &Windows::of(WINDOW as u32) }, self.start, self.length, self.sign, noise_q8)?;
         if self.is_abrupt(pixels, point.column_q16) {
             return Some(ScannedPoint { sigma_q16: point.sigma_q16.max(PIXEL_SIGMA_Q16), ..point });
         }

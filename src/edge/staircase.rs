@@ -7,7 +7,7 @@ use core::ops::Range;
 
 use super::pixel_row::grey;
 use super::scanned_point::ScannedPoint;
-use super::step_sums::StepSums;
+use super::step_sums::{StepSums, Windows};
 use super::tuning::RISE_PARTS;
 use crate::format::Pixels;
 
@@ -16,34 +16,6 @@ const WINDOW: usize = 2;
 
 /// More pixels than the flanks of steps take that are no wider than [`STAIRCASE_Q8`](super::tuning::STAIRCASE_Q8).
 const MOST_PIXELS: usize = 64;
-
-/// One step and what may be the next one.
-struct Step {
-    start: usize,
-    peak: i32,
-    /// The lowest difference since the peak, and where it is.
-    valley: i32,
-    valley_at: usize,
-}
-
-impl Step {
-    const fn begin(start: usize, size: i32) -> Self {
-        Self { start, peak: size, valley: size, valley_at: start }
-    }
-
-    fn extend(&mut self, size: i32, at: usize) {
-        self.peak = self.peak.max(size);
-        if size == self.peak || size < self.valley {
-            (self.valley, self.valley_at) = (size, at);
-        }
-    }
-
-    /// Whether another step begins, after a valley.
-    fn rises_again(&self, size: i32, least: i32) -> bool {
-        let rise = least.max(self.valley / RISE_PARTS);
-        self.peak - self.valley >= rise && size - self.valley >= rise
-    }
-}
 
 /// Hands over the steps at some positions of the scanner, where pixels differ by `sign`, if they are more than one: the
 /// slope falls between them and rises again by `least`, more than noise explains.
@@ -54,36 +26,46 @@ pub(super) fn each_step(
     (least, noise_q8): (i32, u32),
     mut found: impl FnMut(ScannedPoint),
 ) -> bool {
-    let mut buffer = [0; MOST_PIXELS];
-    let first = positions.start;
-    let around = grey(pixels, first.saturating_sub(WINDOW)..positions.end + WINDOW - 1, &mut buffer);
-    let mut hand_over = |of_step: Range<usize>| {
-        let (start, length) = (of_step.start, of_step.len() as u32);
-        let mut sums = StepSums::first(0);
-        let sizes = sizes(around, sign).skip(start).take(of_step.len());
-        (0..).zip(sizes).for_each(|(offset, size)| sums.add(size, offset));
-        sums.point::<{ WINDOW as u32 }>(first + start, length, sign, noise_q8).into_iter().for_each(&mut found);
-    };
-    let (mut step, mut is_staircase) = (Step::begin(0, 0), false);
-    for (at, size) in sizes(around, sign).enumerate() {
-        if step.rises_again(size, least) {
-            hand_over(step.start..step.valley_at + 1);
-            step = Step::begin(step.valley_at + 1, size);
-            is_staircase = true;
+    let (mut buffer, mut start) = ([0; MOST_PIXELS], positions.start);
+    let mut rest = grey(pixels, start.saturating_sub(WINDOW)..positions.end + WINDOW - 1, &mut buffer);
+    let mut is_staircase = false;
+    loop {
+        let end = step_end(rest, sign, least);
+        is_staircase |= end.is_some();
+        if !is_staircase {
+            return false;
         }
-        step.extend(size, at);
+        let length = end.unwrap_or(rest.len().saturating_sub(2 * WINDOW - 1));
+        let (mut sums, step) = (StepSums::first(0), differences(rest, sign).take(length));
+        (0..).zip(step).for_each(|(offset, size)| sums.add(size, offset));
+        let windows = const { &Windows::of(WINDOW as u32) };
+        sums.point(windows, start, length as u32, sign, noise_q8).into_iter().for_each(&mut found);
+        let Some(end) = end else { return true };
+        (start, rest) = (start + end, rest.get(end..).unwrap_or_default());
     }
-    if is_staircase {
-        hand_over(step.start..positions.len());
+}
+
+/// How many differences the first step takes: to the lowest one behind its peak, if the slope rises again there.
+fn step_end(pixels: &[u8], sign: i32, least: i32) -> Option<usize> {
+    let (mut peak, mut valley, mut end) = (0, 0, 0);
+    for (at, size) in differences(pixels, sign).enumerate() {
+        let rise = least.max(valley / RISE_PARTS);
+        if peak - valley >= rise && size - valley >= rise {
+            return Some(end);
+        }
+        peak = peak.max(size);
+        if size == peak || size < valley {
+            (valley, end) = (size, at + 1);
+        }
     }
-    is_staircase
+    None
 }
 
 /// How much brighter the second window is than the first one, or darker, at each position.
-fn sizes(pixels: &[u8], sign: i32) -> impl Iterator<Item = i32> {
+fn differences(pixels: &[u8], sign: i32) -> impl Iterator<Item = i32> {
     pixels.windows(2 * WINDOW).map(move |windows| {
-        let (left, right) = windows.split_at(WINDOW.min(windows.len()));
-        let sum = |pixels: &[u8]| pixels.iter().map(|pixel| i32::from(*pixel)).sum::<i32>();
-        (sign * (sum(right) - sum(left))).max(0)
+        let [left, near_left, near_right, right] =
+            windows.first_chunk().copied().unwrap_or([0; 2 * WINDOW]).map(i32::from);
+        (sign * (right + near_right - near_left - left)).max(0)
     })
 }
