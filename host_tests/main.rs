@@ -73,6 +73,7 @@ mod smallest;
 mod sizing;
 mod splitting;
 mod statuses;
+mod steady_light;
 mod symmetries;
 mod table2;
 mod thresholded;

@@ -89,9 +89,9 @@ pub enum RowError {
         row: u16,
     },
     /// All edges jump at one row: rows are missing, the frame is mixed with another one, bytes were lost, or the light
-    /// is pulsed. The frame is torn.
+    /// is pulsed. So does one edge after the other wherever pulsed light changes. The frame is torn.
     Jump {
-        /// The first row after the jump.
+        /// The first row after the jump; where edges jump one after the other, that in which enough have done so.
         row: u16,
     },
     /// The frame was torn before; rows are taken again from the next frame on.
@@ -124,7 +124,7 @@ impl Error for RowError {}
 fn write_jump(formatter: &mut Formatter<'_>, row: u16) -> fmt::Result {
     write!(
         formatter,
-        "all edges jump at row {row} (rows are missing, the frame is mixed with another one, or the light is pulsed): torn frame"
+        "edges jump at row {row} (rows are missing, the frame is mixed with another, or the light is pulsed): torn frame"
     )
 }
 

@@ -28,7 +28,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 208 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 224 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
@@ -160,8 +160,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     ///
     /// *Errors*: [`RowError`]. A row that is missing, repeated or too short tears the frame: the lines under way are
     /// given up and further rows are refused until the next frame, since what looks like a sheared edge may be the
-    /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later. A row in a
-    /// frame of edge points is refused and changes nothing.
+    /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later, or in which
+    /// edges jump wherever the light changes. A row in a frame of edge points is refused and changes nothing.
     ///
     /// *Cost*: some four to eight instructions a pixel and one to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
@@ -175,6 +175,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row), looks_for_halo };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
+        tracker.see_light(row, &pixels);
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let (mut candidates, mut flanks) = (Candidates::new(), Flanks::new());
         let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates, &mut flanks);
@@ -222,6 +223,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let time_ns = setup.readout().row_time_ns(row);
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
+        tracker.see_light(row, &pixels);
         let is_blinded = self.scanner.scan_where(pixels, None, &[], true, |point| {
             tracker.count_points(1);
             if points.push(point.at(row, time_ns)).is_err() {

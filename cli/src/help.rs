@@ -80,8 +80,9 @@ bits are scaled by their own range (MAXVAL of a PGM, camera.bits of the setup, o
 rounded to 8 bits: steps below a 255th of that range are lost, which is a noise of 0.3 levels. A file
 holds one frame, or is a y4m video (.y4m, or - for standard input), whose frames are called by their
 numbers from 0; its grey levels are taken as they are. A JPEG that has lost bytes is torn, and so is a
-frame whose edges all jump at one row: nothing of it is told. A file that cannot be read is reported on standard error, the others still give ranges,
-and the exit code is 1.";
+frame whose edges all jump at one row, or step aside wherever pulsed light changes: nothing of it is
+told. A file that cannot be read is reported on standard error, the others still give ranges, and the
+exit code is 1.";
 
 const TRAJECTORY: &str = "\
 Trajectory: each line has the velocity (m/s) and the rotation rate (rad/s) of one instant in the axes

@@ -12,6 +12,7 @@ mod staircase;
 mod coarse_scan;
 mod fine_scan;
 mod scan;
+mod light;
 mod spread_function;
 mod weight;
 mod feet;
@@ -31,6 +32,7 @@ mod refine;
 mod usual_row;
 mod overshoot;
 
+pub(crate) use light::Light;
 pub(crate) use model::EdgeModel;
 pub(crate) use pixel_row::PixelRow;
 pub use point::{EdgePoint, Polarity};

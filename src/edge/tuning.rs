@@ -8,6 +8,16 @@ pub(super) const LEAST_NOISE_Q8: u32 = 74;
 /// Columns of a row in which it is compared with those before (`scanning::fences_are_edges`).
 pub(super) const DOWN_COLUMNS: usize = 8;
 
+/// Columns in which the light is looked at, in every other row: the two kinds of rows of a mosaic differ
+/// (`cargo xtask budget --use flat` with more).
+pub(super) const LIGHT_COLUMNS: usize = 8;
+pub(super) const LIGHT_ROWS: u16 = 2;
+
+/// Light has changed where it has by one of so many parts, and by so many grey levels, of which an edge that passes one
+/// of the columns makes as much (`edge::light::tests`).
+pub(super) const LIGHT_CHANGE: u16 = 8;
+pub(super) const LEAST_LIGHT: u16 = 4;
+
 /// Once in so many rows, since each comparison costs some two hundred instructions a column
 /// (`scanning::fences_are_edges`).
 pub(super) const DOWN_ROWS: u8 = 32;

@@ -15,6 +15,7 @@ mod continuation;
 mod table;
 mod stitch;
 mod jump;
+mod steps;
 mod counters;
 mod explained;
 mod candidates;

@@ -72,7 +72,7 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     }
 
     /// The lines under way.
-    pub(super) fn tracks_under_way(&self) -> impl Iterator<Item = &Track<KNOTS>> {
+    pub(super) fn tracks_under_way(&self) -> impl Iterator<Item = &Track<KNOTS>> + Clone {
         self.under_way.iter().filter_map(|place| self.track(*place))
     }
 

@@ -14,6 +14,7 @@ use super::line::Line;
 use super::refinement::Refinement;
 use super::repair::{Repair, Repaired};
 use super::steady::{Located, Missed, locate_steady, take_steady};
+use super::steps::Steps;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{RowTime, State, Track};
@@ -36,6 +37,7 @@ use crate::setup::{Limits, Readout};
 pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize, R = Repaired> {
     table: Table<LINES, KNOTS>,
     counters: Counters,
+    steps: Steps,
     repair: PhantomData<R>,
 }
 
@@ -43,7 +45,14 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     /// An empty tracker.
     #[must_use]
     pub(crate) const fn new() -> Self {
-        Self { table: Table::new(), counters: Counters::ZERO, repair: PhantomData }
+        Self { table: Table::new(), counters: Counters::ZERO, steps: Steps::NONE, repair: PhantomData }
+    }
+
+    /// Takes the light of the next row of pixels.
+    pub(crate) fn see_light(&mut self, row: u16, pixels: &impl Pixels) {
+        if R::REPAIRS {
+            self.steps.see(row, pixels);
+        }
     }
 
     /// Takes all points of one row, sorted by column. Rows come in the order of readout. Rows that were not looked at
@@ -96,7 +105,8 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         if !(R::REPAIRS && has_young) {
             return None;
         }
-        let jump = self.jump(columns, row);
+        self.steps.count(self.table.tracks_under_way(), row);
+        let jump = self.jump(columns, row).or_else(|| self.steps.are_of_pulses().then_some(row));
         stitch_all(&mut self.table, limits, row);
         jump
     }
@@ -214,6 +224,7 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
 
     /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
+        self.steps = Steps::NONE;
         let ended = self.table.ended().count();
         while let Some(place) = self.table.leave_out_last() {
             let strays = self.table.finish(place);
@@ -368,16 +379,22 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         }
     }
 
+    /// Whether a row shows no line because the light has gone: confirmed ones wait for it, however long it takes.
+    fn is_dark(&self, row: u16) -> bool {
+        self.steps.is_dark() && self.table.tracks_under_way().all(|track| track.line.last().row != row)
+    }
+
     /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others
     /// broke off.
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
         let ended = self.table.ended().count();
         let (mut index, mut has_young) = (0, false);
+        let is_dark = R::REPAIRS && self.is_dark(row);
         while let Some(place) = self.table.under_way().get(index).copied() {
             if let Some(track) = self.table.track_mut(place) {
                 if track.line.last().row == row {
                     has_young |= track.is_young();
-                } else if track.has_missed_too_many(limits) {
+                } else if !(is_dark && track.state != State::Tentative) && track.has_missed_too_many(limits) {
                     self.table.leave_out(index);
                     let strays = self.table.finish(place);
                     self.count_stray(strays);

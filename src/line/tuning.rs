@@ -145,6 +145,19 @@ pub(super) const MOST_PULSE_Q16: i64 = 16 << 16;
 /// (`jumps::whole_frames_do_not_jump`, `clutter::texture_is_no_bar`).
 pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 
+/// Edges make steps within so many rows of where the light changes: as many as a short pulse takes to come, and as a
+/// line that begins needs to tell where (`pulsed::pulsed_light_of_every_kind` with half as many).
+pub(super) const STEP_ROWS: u16 = 24;
+
+/// Less than this is no step, in 1/65536 px: lines that break off in the dark go on in their place to half a pixel
+/// (`pulsed::pulsed_light_is_noticed` with twice as much).
+pub(super) const LEAST_STEP_Q16: i64 = 3 << 14;
+
+/// So many more lines make a step to one side than begin elsewhere: with four, three of ten thousand frames in steady
+/// light are torn (`steady_light::ten_thousand_frames_are_not_torn`; `pulsed::pulsed_light_is_noticed` with twice as
+/// many).
+pub(super) const LEAST_STEPS: i8 = 5;
+
 /// While nothing begins or ends, what may begin is looked for in every so many rows: that is most of what an empty row
 /// costs, and a line is found so much later at most (`frames::a_post_is_found_in_single_precision`,
 /// `cargo xtask budget --use flat`).

@@ -1,0 +1,136 @@
+//! [`Light`]: whether the light of a frame's rows changes, all over them.
+
+use super::pixel_row::grey;
+use super::tuning::{LEAST_LIGHT, LIGHT_CHANGE, LIGHT_COLUMNS, LIGHT_ROWS};
+use crate::format::Pixels;
+
+/// The light of a frame's rows. Where all columns become brighter or darker by one and the same factor, it is the light
+/// that changes, or a shadow; what stands there is brighter in some columns and darker in others.
+///
+/// A frame begins in the dark, so that the first row is one in which the light changes.
+///
+/// *Cost*: some hundred instructions in every other row.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(crate) struct Light {
+    /// What later rows are compared with.
+    levels: [u8; LIGHT_COLUMNS],
+    changed_row: u16,
+    /// Sum of the levels of the brightest row.
+    brightest: u16,
+    is_dark: bool,
+}
+
+impl Light {
+    /// Before a frame.
+    pub(crate) const UNSEEN: Self = Self { levels: [0; LIGHT_COLUMNS], changed_row: 0, brightest: 0, is_dark: false };
+
+    /// The row in which it has changed last.
+    pub(crate) const fn changed_row(&self) -> u16 {
+        self.changed_row
+    }
+
+    /// Whether less of it is left than a change of where it was brightest.
+    pub(crate) const fn is_dark(&self) -> bool {
+        self.is_dark
+    }
+
+    /// Takes the next row of a frame.
+    pub(crate) fn take(&mut self, row: u16, pixels: &impl Pixels) {
+        // Of a mosaic, whose two kinds of rows differ, only one.
+        if !row.is_multiple_of(LIGHT_ROWS) {
+            return;
+        }
+        let levels = levels(pixels);
+        let [before, now]: [u16; 2] =
+            [&self.levels, &levels].map(|levels| levels.iter().map(|level| u16::from(*level)).sum());
+        self.brightest = now.max(self.brightest);
+        self.is_dark = now < self.brightest / LIGHT_CHANGE;
+        if u16::abs_diff(now, before) < (before / LIGHT_CHANGE).max(LEAST_LIGHT * LIGHT_COLUMNS as u16) {
+            return;
+        }
+        if self.changes_alike(&levels, before.into(), now.into()) {
+            self.changed_row = row;
+        }
+        self.levels = levels;
+    }
+
+    /// Whether three columns of four change by the factor of all together: by half as much at least, and half as much
+    /// again at most. In the others an edge may pass.
+    fn changes_alike(&self, levels: &[u8; LIGHT_COLUMNS], before: u32, now: u32) -> bool {
+        let change = before.abs_diff(now);
+        let alike = self.levels.iter().zip(levels).filter(|(was, is)| {
+            let (was, is) = (u32::from(**was), u32::from(**is));
+            2 * (is * before).abs_diff(was * now) <= was * change + u32::from(LEAST_LIGHT) * before
+        });
+        4 * alike.count() >= 3 * LIGHT_COLUMNS
+    }
+}
+
+/// Grey levels at uneven distances, so that a fence that moves does not change all of them alike.
+#[inline(always)]
+fn levels(pixels: &impl Pixels) -> [u8; LIGHT_COLUMNS] {
+    /// In eighths of the mean distance.
+    const OFF: [usize; LIGHT_COLUMNS] = [0, 5, 2, 7, 3, 6, 1, 4];
+    let spacing = pixels.columns() / LIGHT_COLUMNS;
+    let (mut levels, mut from) = ([0; LIGHT_COLUMNS], 0_usize);
+    for (level, off) in levels.iter_mut().zip(OFF) {
+        let column = from.saturating_add(off.saturating_mul(spacing) / LIGHT_COLUMNS);
+        *level = grey(pixels, column..column.saturating_add(1), &mut [0]).first().copied().unwrap_or(0);
+        from = from.saturating_add(spacing);
+    }
+    levels
+}
+
+#[cfg(test)]
+mod tests {
+    use std::vec::Vec;
+
+    use super::Light;
+
+    /// Rows of black and white bars that are so bright, in per cent, in which the light changes, and which are dark.
+    fn seen(percents: impl IntoIterator<Item = u32>) -> (Vec<u16>, Vec<u16>) {
+        let mut light = Light::UNSEEN;
+        let (mut changed, mut dark) = (Vec::new(), Vec::new());
+        for (row, percent) in (0..).zip(percents) {
+            let level = |column: usize| if (column / 30).is_multiple_of(3) { 40 } else { 200 };
+            let pixels: [u8; 320] = core::array::from_fn(|column| (level(column) * percent / 100) as u8);
+            light.take(row, &&pixels);
+            changed.push(light.changed_row());
+            dark.extend(light.is_dark().then_some(row));
+        }
+        changed.dedup();
+        (changed, dark)
+    }
+
+    #[test]
+    fn it_changes() {
+        let changes = |percents: &dyn Fn(u32) -> u32| seen((0..60).map(percents)).0;
+        assert_eq!(changes(&|_| 100), [0]);
+        assert_eq!(changes(&|row| if row < 20 { 100 } else { 80 }), [0, 20]);
+        assert_eq!(changes(&|row| if row < 20 { 100 } else { 95 }), [0], "too little");
+        assert_eq!(changes(&|row| if row < 20 { 0 } else { 2 }), [0], "too little for what is dark");
+        assert_eq!(changes(&|row| if row < 20 { 0 } else { 5 }), [0, 20]);
+        assert_eq!(changes(&|row| 100 - row / 3), [0, 40], "little by little");
+        assert_eq!(changes(&|row| if row % 30 < 15 { 0 } else { 100 }), [0, 16, 30, 46]);
+    }
+
+    #[test]
+    fn it_is_dark_where_hardly_any_is_left() {
+        let dark = |percent: u32| seen((0..20).map(|row| if row < 10 { 100 } else { percent })).1;
+        assert!(dark(15).is_empty());
+        assert_eq!(dark(10), Vec::from_iter(10..20));
+    }
+
+    /// Half of the columns fall where those beside them rise more.
+    #[test]
+    fn what_stands_there_is_no_light() {
+        let mut light = Light::UNSEEN;
+        let bright: [u8; 320] = core::array::from_fn(|column| if column % 80 < 40 { 100 } else { 50 });
+        let other: [u8; 320] = core::array::from_fn(|column| if column % 80 < 40 { 70 } else { 250 });
+        for row in 0..20 {
+            light.take(row, &if row < 10 { &bright } else { &other });
+        }
+        assert_eq!(light.changed_row(), 0);
+    }
+}

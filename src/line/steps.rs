@@ -1,0 +1,111 @@
+//! [`Steps`]: whether edges go on a step aside wherever the light changes: then it is pulsed.
+
+use super::track::{State, Track};
+use super::tuning::{LEAST_STEP_Q16, LEAST_STEPS, MOST_PULSE_Q16, STEP_ROWS, YOUNG_POINTS};
+use crate::edge::Light;
+use crate::format::Pixels;
+
+/// The steps of a frame's edges.
+///
+/// A row sees an edge where it was during the pulses within its exposure. Rows that see the same pulses see it at rest,
+/// and where a pulse comes or goes the light changes, and every edge makes a step in the direction in which it moves: a
+/// line breaks off, and another one of its polarity begins beside it. In steady light, however it changes down the
+/// frame, lines go on where they were; what begins beside one by chance does so on either side, or farther away.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Steps {
+    light: Light,
+    /// Lines that begin a step to the right of another one, or to the left, less those that begin elsewhere.
+    right: i8,
+    left: i8,
+}
+
+impl Steps {
+    /// Before a frame.
+    pub(super) const NONE: Self = Self { light: Light::UNSEEN, right: 0, left: 0 };
+
+    /// Takes the light of the next row of a frame.
+    pub(super) fn see(&mut self, row: u16, pixels: &impl Pixels) {
+        self.light.take(row, pixels);
+    }
+
+    /// Whether the light has gone, and edges with it.
+    pub(super) const fn is_dark(&self) -> bool {
+        self.light.is_dark()
+    }
+
+    /// Counts the lines that have become old enough on `row` to tell where they began, where the light has changed
+    /// there.
+    pub(super) fn count<'t, const KNOTS: usize>(
+        &mut self,
+        tracks: impl Iterator<Item = &'t Track<KNOTS>> + Clone,
+        row: u16,
+    ) {
+        if row.abs_diff(self.light.changed_row()) > STEP_ROWS {
+            return;
+        }
+        for young in tracks.clone().filter(|track| is_asked(track, row)) {
+            let older = tracks.clone().filter(|older| is_before(older, young, row));
+            let Some(nearest) = older.min_by_key(|older| aside_q16(older, young, row).abs()) else { continue };
+            let aside_q16 = i64::from(aside_q16(nearest, young, row));
+            let is_near = aside_q16.abs() <= MOST_PULSE_Q16;
+            let is_aside = is_near && aside_q16.abs() >= LEAST_STEP_Q16;
+            let is_step = is_aside && !is_of_fence(tracks.clone(), nearest, young, row);
+            // What begins in a line that goes on is its own.
+            if is_aside || !is_near || !goes_on(nearest, row) {
+                self.right = self.right.saturating_add(if is_step && aside_q16 > 0 { 1 } else { -1 });
+                self.left = self.left.saturating_add(if is_step && aside_q16 < 0 { 1 } else { -1 });
+            }
+        }
+    }
+
+    /// Whether so many make a step to the same side that it is no chance.
+    pub(super) fn are_of_pulses(&self) -> bool {
+        self.right.max(self.left) >= LEAST_STEPS
+    }
+}
+
+/// Whether a line has shown in nearly every row since it began, and is just as old as to tell where.
+fn is_asked<const KNOTS: usize>(track: &Track<KNOTS>, row: u16) -> bool {
+    track.state == State::Confirmed
+        && track.line.points() == YOUNG_POINTS
+        && track.line.last().row == row
+        && row.abs_diff(track.line.first().row) <= YOUNG_POINTS + 1
+}
+
+/// Whether a line of the same polarity was there before.
+fn is_before<const KNOTS: usize>(older: &Track<KNOTS>, young: &Track<KNOTS>, row: u16) -> bool {
+    let [since_older, since_young] = [older, young].map(|track| row.abs_diff(track.line.first().row));
+    older.line.last().polarity == young.line.last().polarity
+        && older.state != State::Tentative
+        && older.line.points() >= YOUNG_POINTS
+        && since_older >= since_young + YOUNG_POINTS
+}
+
+/// Whether the row goes on showing a line.
+fn goes_on<const KNOTS: usize>(track: &Track<KNOTS>, row: u16) -> bool {
+    row.abs_diff(track.line.last().row) <= YOUNG_POINTS / 2
+}
+
+/// Whether what begins beside a line may be another bar of a fence: there is one more line that goes on, no more than
+/// twice as far away.
+fn is_of_fence<'t, const KNOTS: usize>(
+    mut tracks: impl Iterator<Item = &'t Track<KNOTS>>,
+    line: &Track<KNOTS>,
+    young: &Track<KNOTS>,
+    row: u16,
+) -> bool {
+    let [young_q16, near_q16] = [young.filter.column_q16, aside_q16(line, young, row).saturating_abs()];
+    let polarity = young.line.last().polarity;
+    tracks.any(|other| {
+        let apart_q16 = other.column_only(row).column_q16.saturating_sub(line.column_only(row).column_q16);
+        let is_other = apart_q16 != 0 && other.column_only(row).column_q16 != young_q16;
+        let goes_on = other.state != State::Tentative && other.line.last().polarity == polarity && goes_on(other, row);
+        is_other && goes_on && apart_q16.saturating_abs() / 2 <= near_q16
+    })
+}
+
+/// How far beside an older line a young one is, in 1/65536 px.
+fn aside_q16<const KNOTS: usize>(older: &Track<KNOTS>, young: &Track<KNOTS>, row: u16) -> i32 {
+    young.filter.column_q16.saturating_sub(older.column_only(row).column_q16)
+}
