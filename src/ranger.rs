@@ -146,7 +146,11 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let point = EdgePoint { time_ns, ..point };
         let taken = match at {
             None => self.row.push(point),
-            Some(at) => self.row.insert(at, point),
+            Some(at) => self.row.push(point).map(|()| {
+                // `insert` may panic, for all the compiler sees.
+                let mut moved = point;
+                self.row.iter_mut().skip(at).for_each(|place| core::mem::swap(place, &mut moved));
+            }),
         };
         if taken.is_err() {
             self.tracker.count_points(1);
