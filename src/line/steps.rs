@@ -95,13 +95,14 @@ fn is_of_fence<'t, const KNOTS: usize>(
     young: &Track<KNOTS>,
     row: u16,
 ) -> bool {
-    let [young_q16, near_q16] = [young.filter.column_q16, aside_q16(line, young, row).saturating_abs()];
-    let polarity = young.line.last().polarity;
+    let (own_q16, near_q16) = (line.column_only(row).column_q16, aside_q16(line, young, row).unsigned_abs());
+    let is_alike = |other: &Track<KNOTS>| {
+        other.state != State::Tentative && other.line.last().polarity == young.line.last().polarity
+    };
     tracks.any(|other| {
-        let apart_q16 = other.column_only(row).column_q16.saturating_sub(line.column_only(row).column_q16);
-        let is_other = apart_q16 != 0 && other.column_only(row).column_q16 != young_q16;
-        let goes_on = other.state != State::Tentative && other.line.last().polarity == polarity && goes_on(other, row);
-        is_other && goes_on && apart_q16.saturating_abs() / 2 <= near_q16
+        let other_q16 = other.column_only(row).column_q16;
+        let is_third = other_q16 != own_q16 && other_q16 != young.filter.column_q16;
+        is_third && is_alike(other) && goes_on(other, row) && other_q16.abs_diff(own_q16) / 2 <= near_q16
     })
 }
 
