@@ -344,6 +344,39 @@ fn bars_are_found_through_long_motion_blur() {
     }
 }
 
+/// Noise breaks the slope of a long blur into parts, each as steep as an edge; the edge is there all the same, and no part
+/// of it is told as an edge elsewhere.
+#[test]
+fn bars_are_found_through_long_blur_and_noise() {
+    let (mut right, mut edges) = (0, 0);
+    for (path_px, shot_gain) in [(20.0, 0.06), (24.0, 0.06), (20.0, 0.12)] {
+        for seed in 1..=6 {
+            let bars = [Bar::upright(-0.2, 1.0, 0.15, 60.0), Bar::upright(0.25, 1.0, 0.2, 90.0)];
+            let scene = scene_of(190.0, bars.map(Into::into));
+            // 6 m/s at 1 m: 1800 px/s.
+            let exposure = Exposure { time_s: path_px / 1800.0, shot_gain, ..Exposure::default() };
+            let world = moving(6.0);
+            let (frame, truths) = render(&scene, &world, TOP, exposure, seed);
+            let setup = world.setup_read(Uncertainty::NONE, TOP);
+            // Each part of a slope may take a place for some rows.
+            let found = ranges_of(&mut *Box::new(Ranger::<64, 16, 64>::new()), &setup, &world, &frame);
+            let is_of = |range: &&Range<f32>, truth: &Truth| {
+                let off = f64::from(range.estimate.bearing) - truth.bearing;
+                range.polarity == truth.polarity && off.abs() < 0.05
+            };
+            for truth in &truths {
+                let mut told = found.iter().filter(|range| is_of(range, truth) && range.status == RangeStatus::Ok);
+                let is_near = |range: &Range<f32>| errors(range, truth).1.abs() < MOST_SIGMAS;
+                right += usize::from(told.clone().any(|range| range.points > ROWS * 3 / 4));
+                assert!(told.all(is_near), "{path_px} px, gain {shot_gain}, seed {seed}: {found:#?} for {truth:?}");
+            }
+            edges += truths.len();
+        }
+    }
+    println!("{right} of {edges}");
+    assert!(right * 100 >= edges * 97, "{right} of {edges}");
+}
+
 #[test]
 fn the_same_bytes_give_the_same_ranges() {
     let world = moving(1.5);

@@ -9,7 +9,7 @@ use super::root::root;
 use super::template::{Template, class_of};
 use super::tuning::{
     FEW_TEXTURED_ROWS, LEARN_ROWS_LOG2, LEAST_BLUR_Q8, LEAST_CONTRAST_Q8, LEAST_NOISE_ROWS_LOG2, MANY_TEXTURED_ROWS,
-    MEMORY_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, ONE_STEP_SIGMAS, RENEWAL_ROWS_LOG2, USUAL_BLUR_Q8,
+    MEMORY_LOG2, MOST_BLUR_Q8, ONE_STEP_PARTS_LOG2, ONE_STEP_SIGMAS, RENEWAL_ROWS_LOG2, STAIRCASE_Q8, USUAL_BLUR_Q8,
 };
 use super::window::Window;
 use crate::format::Pixels;
@@ -189,6 +189,11 @@ impl EdgeModel {
 
     pub(super) const fn blur_q8(&self) -> u16 {
         self.blur_q12 >> 4
+    }
+
+    /// Whether it is more blurred than the steps of a staircase are together.
+    pub(crate) const fn is_beyond_steps(&self) -> bool {
+        self.blur_q8() >= STAIRCASE_Q8.end
     }
 
     /// Whether many of the rows have texture beside the edge.

@@ -48,6 +48,12 @@ impl EdgeModel {
         model.shows(row.kind(), edge.polarity).then_some(model)
     }
 
+    /// Whether no more remains of a row than noise explains.
+    pub(crate) fn explains<P: Pixels>(&self, row: PixelRow<'_, P>, column_q16: i32, around: Neighbours) -> bool {
+        let fit = self.fit(row, column_q16, around.bounds_q8(), true);
+        fit.is_some_and(|fit| fit.residual_q16 <= self.most_residual_q16())
+    }
+
     /// An edge that a row shows on its own, located with the levels and the blur that it shows itself.
     pub(crate) fn refine_alone<P: Pixels>(
         row: PixelRow<'_, P>,

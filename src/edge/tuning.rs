@@ -64,7 +64,8 @@ pub(super) const ABRUPT: (u32, u32) = (15, 16);
 /// What a row shows so wide, in 1/256 px, may be more than one step. Two that are 4 px apart are 1.7 px wide where one
 /// is three times the other, and two equal ones that are 8 px apart are 4.5 px wide at a blur of 2 px
 /// (`parallel_edges::two_equal_steps_are_two_lines`). Beyond, noise breaks the slope of a long blur
-/// (`parallel_edges::one_blurred_edge_is_one_line`); below, it is one step.
+/// (`parallel_edges::one_blurred_edge_is_one_line`, `frames::bars_are_found_through_long_blur_and_noise` with twice as
+/// much); below, it is one step.
 pub(super) const STAIRCASE_Q8: Range<u16> = 3 << 7..9 << 7;
 
 /// Between two steps the slope falls, and rises again, by at least so many eighths of the difference of an edge: two and

@@ -17,7 +17,7 @@ pub(crate) const fn apart_of_blur_q16(blur_q16: u32) -> u32 {
 }
 
 /// The edges on either side of the expected one, in 1/65536 px: their flanks must not be taken for this one's plateaus.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Neighbours {
     pub(crate) left_q16: i32,
     pub(crate) right_q16: i32,

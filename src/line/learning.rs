@@ -78,10 +78,15 @@ fn learn<P: Pixels, const LINES: usize, const KNOTS: usize>(
     points: &[EdgePoint],
 ) {
     let Some(point) = table.track(place).map(|track| *track.line.last()) else { return };
-    let of_row = table.tracks_under_way().filter(|track| track.line.last().row == point.row);
-    let lines = Neighbours::among_lines(of_row.map(|track| track.line.last()), &point);
+    let of_row = table.tracks_under_way().map(|track| track.line.last()).filter(|last| last.row == point.row);
+    let lines = Neighbours::among_lines(of_row.clone(), &point);
     let untracked = Neighbours::among(points.iter(), &point).where_nearer_than(lines);
-    let model = EdgeModel::settled(pixels, &point, lines.or_nearer(untracked), noise_q8);
+    let settled = |lines: Neighbours| EdgeModel::settled(pixels, &point, lines.or_nearer(untracked), noise_q8);
+    // Noise breaks the slope of a long blur into parts: it is one edge where it fits as one.
+    let others = Neighbours::among(of_row, &point);
+    let long = if others == lines { None } else { settled(others) };
+    let long = long.filter(|model| model.is_beyond_steps() && model.explains(pixels, point.column_q16, others));
+    let model = long.or_else(|| settled(lines));
     if let Some(track) = table.track_mut(place) {
         track.set_model(model, Untracked::of(untracked, point.column_q16));
     }
