@@ -149,8 +149,18 @@ impl Readout {
     #[must_use]
     pub const fn row_time_ns(&self, row: u16) -> i64 {
         let rows = self.rows_before(row);
-        (rows as u64 * self.whole_ns + ((rows as u32 * self.rest_ps as u32 + 500) / 1000) as u64) as i64
+        (rows as u64 * self.whole_ns + thousandth(rows as u32 * self.rest_ps as u32 + 500) as u64) as i64
     }
+}
+
+/// One of a thousand parts of a number below 2²⁶, rounded down: cores without division take more than a hundred
+/// instructions for one, and every row of pixels asks for it.
+const fn thousandth(number: u32) -> u32 {
+    // 1024 are one thousand and 24 more, as often as that holds.
+    let (first, rest) = (number >> 10, (number >> 10) * 24 + (number & 1023));
+    let (second, rest) = (rest >> 10, (rest >> 10) * 24 + (rest & 1023));
+    // One over a thousand is good to 2⁻²⁸, for what is below 2¹⁷.
+    first + second + (((rest >> 3) * 33_555) >> 22)
 }
 
 const fn divide_rounding(numerator: u64, denominator: u64) -> Option<u64> {
@@ -171,5 +181,18 @@ impl TryFrom<RawReadout> for Readout {
 
     fn try_from(raw: RawReadout) -> Result<Self, ParameterError> {
         Self::from_line_time_ps(raw.rows, raw.line_time_ps, raw.direction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thousandth;
+
+    #[test]
+    fn a_thousandth_is_rounded_down() {
+        let multiples = (0..1 << 26).step_by(1000);
+        for number in multiples.flat_map(|number: u32| [number, number + 1, number + 500, number + 999]) {
+            assert_eq!(thousandth(number), number / 1000, "{number}");
+        }
     }
 }
