@@ -1,6 +1,7 @@
 //! Bars side by side: every edge at least four pixels from the next is a line, and so is a post beside them; and rows
 //! that cannot be read are counted.
 
+use rand::{Rng, SeedableRng, rngs::StdRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Texture};
 use shutter_range::{Polarity, RangeStatus, Ranger, Uncertainty};
 
@@ -161,4 +162,18 @@ fn rows_of_texture_are_counted_where_it_hides_edges() {
     println!("{crowded_rows:?}");
     assert_eq!(crowded_rows[0], 0);
     assert!(crowded_rows[3] > 200, "{crowded_rows:?}");
+}
+
+/// Rows of nothing but noise as strong as edges count, also those that are passed over since nothing is in view.
+#[test]
+fn rows_of_noise_are_counted() {
+    let mut random = StdRng::seed_from_u64(8);
+    let setup = moving(SPEED_M_S).setup::<f32>();
+    let mut ranger: Ranger<16, 16, 64> = Ranger::new();
+    for row in 0..ROWS as u16 {
+        let pixels: [u8; COLUMNS as usize] = core::array::from_fn(|_| random.random_range(40..216));
+        ranger.row(&setup, row, &pixels).expect("rows in order");
+    }
+    let crowded_rows = ranger.counters().crowded_rows;
+    assert!(crowded_rows + 4 > ROWS as u32, "{crowded_rows}");
 }

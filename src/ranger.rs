@@ -75,8 +75,8 @@ enum Frame {
     Started = 0,
     /// Edge points; the row that came last.
     OfPoints(LastRow) = 1,
-    /// Rows of pixels; how many of them.
-    OfPixels { rows_read: u16 } = 2,
+    /// Rows of pixels: how many of them, and whether the last one could not be read ([`Scanner::is_blinded`]).
+    OfPixels { rows_read: u16, is_blinded: bool } = 2,
     /// Given up: nothing is taken until it ends.
     Torn = 3,
 }
@@ -167,34 +167,44 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// tear. So do rows in which all edges have jumped ([`RowError::Jump`]), which is seen some rows later, or in which
     /// edges jump wherever the light changes. A row in a frame of edge points is refused and changes nothing.
     ///
-    /// *Cost*: some four to eight instructions a pixel and one to three thousand for each edge; docs/budget.md has
+    /// *Cost*: some three to six instructions a pixel and one to three thousand for each edge; docs/budget.md has
     /// them by board, and what texture and fences cost. A row does at most: one scan of each pixel; an association of
     /// each of `POINTS`; for each of `LINES` one look of its model; ten scanned points that are refined; three new
     /// models; and, where lines break off, comparisons with the square of `LINES`. What is left over has its turn in
     /// one of the next rows. Of more than 16 lines each may have one more point refined, of more than 48 each sixteenth
     /// a model.
     pub fn row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: impl Pixels) -> Result<(), RowError> {
-        self.begin_row_of_pixels(setup, row, pixels.columns())?;
+        let was_blinded = self.begin_row_of_pixels(setup, row, pixels.columns())?;
         let looks_for_halo = looks_for_halo(row, setup.response());
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row), looks_for_halo };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
         tracker.see_light(row, &pixels);
         let pixel_row = PixelRow { pixels, response: setup.response() };
-        let (mut candidates, mut flanks) = (Candidates::new(), Flanks::new());
-        let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates, &mut flanks);
-        let (mut asked, is_full): (Vec<_, LINES>, _) = (Vec::new(), tracker.is_full());
-        if is_full {
-            candidates.add_columns(&mut asked);
-        }
-        let is_scanned = !is_steady || looks_for_new(row, pixels.mosaic_row().is_some());
-        let asked = (is_full || !is_scanned).then_some(&asked[..]);
-        let is_blinded = self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row), |point| {
-            if points.push(point.at(row, at.time_ns)).is_err() {
-                tracker.count_points(1);
-                tracker.count_dropped_point();
+        let mut candidates = Candidates::new();
+        let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates);
+        let (is_full, is_mosaic) = (tracker.is_full(), pixels.mosaic_row().is_some());
+        let is_blinded = if is_steady && (is_full || !looks_for_new(row, is_mosaic)) {
+            self.scanner.pass(pixels);
+            // Asked only where it was so before: most rows can be read.
+            was_blinded && self.scanner.is_blinded()
+        } else {
+            let (mut asked, mut flanks): (Vec<_, LINES>, _) = (Vec::new(), Flanks::new());
+            tracker.add_flanks(row, &candidates, &mut flanks);
+            if is_full {
+                candidates.add_columns(&mut asked);
             }
-        });
+            let asked = is_full.then_some(&asked[..]);
+            self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row, is_mosaic), |point| {
+                if points.push(point.at(row, at.time_ns)).is_err() {
+                    tracker.count_points(1);
+                    tracker.count_dropped_point();
+                }
+            })
+        };
+        if let Frame::OfPixels { is_blinded: of_frame, .. } = &mut self.frame {
+            *of_frame = is_blinded;
+        }
         tracker.remove_explained(row, points);
         tracker.count_points(points.len() as u32);
         let scanner = &self.scanner;
@@ -249,11 +259,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         Err(RowError::Jump { row })
     }
 
-    /// Checks that a row of so many pixels is the next one of the frame; what is not tears it.
-    fn begin_row_of_pixels<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: usize) -> Result<(), RowError> {
-        let rows_read = match self.frame {
-            Frame::Started => 0,
-            Frame::OfPixels { rows_read } => rows_read,
+    /// Checks that a row of so many pixels is the next one of the frame; what is not tears it. Whether the row before could
+    /// not be read.
+    fn begin_row_of_pixels<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, pixels: usize) -> Result<bool, RowError> {
+        let (rows_read, is_blinded) = match self.frame {
+            Frame::Started => (0, false),
+            Frame::OfPixels { rows_read, is_blinded } => (rows_read, is_blinded),
             Frame::OfPoints(_) => return Err(RowError::FrameOfPoints { row }),
             Frame::Torn => return Err(RowError::Torn),
         };
@@ -264,8 +275,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         if rows_read == 0 {
             self.scanner.begin_frame();
         }
-        self.frame = Frame::OfPixels { rows_read: rows_read + 1 };
-        Ok(())
+        self.frame = Frame::OfPixels { rows_read: rows_read + 1, is_blinded };
+        Ok(is_blinded)
     }
 
     /// Gives the frame up: the lines under way are forgotten, and rows and points are refused until

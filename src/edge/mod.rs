@@ -42,4 +42,5 @@ pub use scan::Scanner;
 pub use scanned_point::ScannedPoint;
 pub(crate) use spread_function::SpreadFunction;
 pub(crate) use tuning::PLATEAU;
+pub(crate) use usual_row::{Expectation, UsualPoint};
 pub(crate) use window::{Neighbours, Untracked, apart_of_blur_q16};

@@ -179,7 +179,8 @@ impl EdgeModel {
     /// it by more, what that explains.
     pub(super) fn one_step_q16(&self, sigma_q16: u32) -> u32 {
         let blur_q16 = self.blur_q16();
-        (blur_q16 >> ONE_STEP_PARTS_LOG2).max((ONE_STEP_SIGMAS * sigma_q16.min(blur_q16)).min(blur_q16 / 2))
+        let (least_q16, most_q16) = (blur_q16 >> ONE_STEP_PARTS_LOG2, blur_q16 / 2);
+        (ONE_STEP_SIGMAS * sigma_q16.min(most_q16)).max(least_q16).min(most_q16)
     }
 
     /// What is farther away has no part in its window.

@@ -1,9 +1,7 @@
 //! [`NearWindow`]: the pixels around an edge whose plateaus its neighbours cut off, in a row of grey bytes.
 
-use super::pixel_row::{PixelRow, Stretch};
 use super::template::{Phase, Sampled, Template};
 use super::window::view;
-use crate::format::Pixels;
 
 /// What a [`Window`](super::window::Window) is where hardly anything of the flank is cut off: its weights are all taken,
 /// so that their sums are known.
@@ -22,12 +20,7 @@ impl<'p> NearWindow<'p> {
     /// Of a flank of which a pixel at either end may lie beyond the middle between the edge and its neighbour: the blur
     /// of both hardly reaches there, and no weight is smaller.
     #[inline(always)]
-    pub(super) fn new<P: Pixels>(
-        row: &'p PixelRow<'_, P>,
-        column_q8: i32,
-        template: &Template,
-        bounds_q8: (i32, i32),
-    ) -> Option<Self> {
+    pub(super) fn new(row: &'p [u8], column_q8: i32, template: &Template, bounds_q8: (i32, i32)) -> Option<Self> {
         let (left_q8, right_q8) = view(column_q8, i32::from(template.reach_q8), bounds_q8);
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
         let (end, plateau) = (first + phase.weights.len() as i32, template.plateau());
@@ -38,9 +31,7 @@ impl<'p> NearWindow<'p> {
         }
         // At least the outermost pixels tell the levels.
         let (left_to, right_from) = (first.max(from + 1), end.min(to - 1));
-        let bytes = |from: i32, to: i32| {
-            row.quick_bytes(Stretch { from: usize::try_from(from).ok()?, to: usize::try_from(to).ok()? })
-        };
+        let bytes = |from: i32, to: i32| row.get(usize::try_from(from).ok()?..usize::try_from(to).ok()?);
         let plateaus = [bytes(from, left_to)?, bytes(right_from, to)?];
         let of_flank = [left_to > first, right_from < end];
         Some(Self { flank: bytes(first, end)?, plateaus, of_flank, phase, centre_q8 })

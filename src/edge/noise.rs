@@ -150,27 +150,35 @@ impl Down {
     }
 
     /// Compares some of the rows with those before; of a mosaic every other row counts, since its two kinds differ.
+    #[inline(always)]
     pub(super) fn learn(&mut self, pixels: &impl Pixels) {
         if pixels.columns() < LEAST_PIXELS || pixels.mosaic_row() == Some(MosaicRow::Odd) {
             return;
         }
-        let turn = self.turn;
-        match self.pixels.get_mut(usize::from(turn)) {
+        if self.turn <= TEXTURE_LAG {
+            self.look(pixels);
+        }
+        let rows = if self.looks < SETTLED_LOOKS { TEXTURE_LAG + 1 } else { DOWN_ROWS };
+        self.turn = if self.turn + 1 < rows { self.turn + 1 } else { 0 };
+    }
+
+    /// Takes one of the first rows of a turn.
+    #[inline(never)] // few rows come here
+    fn look(&mut self, pixels: &impl Pixels) {
+        match self.pixels.get_mut(usize::from(self.turn)) {
             Some(row) => columns(pixels.columns()).zip(row).for_each(|(column, pixel)| *pixel = level(pixels, column)),
-            None if turn == 3 => self.compare_pixels(pixels),
+            None if self.turn == 3 => self.compare_pixels(pixels),
             None => {}
         }
-        if turn == 0 {
+        if self.turn == 0 {
             columns(pixels.columns())
                 .zip(&mut self.sums)
                 .for_each(|(column, sum)| *sum = sum_of(around(pixels, column)));
         }
-        if turn == TEXTURE_LAG {
+        if self.turn == TEXTURE_LAG {
             self.compare_sums(pixels);
             self.looks = (self.looks + 1).min(SETTLED_LOOKS);
         }
-        let rows = if self.looks < SETTLED_LOOKS { TEXTURE_LAG + 1 } else { DOWN_ROWS };
-        self.turn = if turn + 1 < rows { turn + 1 } else { 0 };
     }
 
     #[inline(never)] // all of it then fits into the registers

@@ -27,13 +27,24 @@ impl EdgeModel {
         let Sampled { first, phase, .. } = self.template().at(column_q16 >> 8);
         let from = usize::try_from(first).ok()?;
         let flank = Stretch { from, to: from + phase.weights.len() };
-        if let Some(bytes) = row.quick_bytes(flank) {
-            let sum_q6 = |pixels: &[u8]| pixels.iter().fold(0, |sum, pixel| sum + i32::from(*pixel)) << 6;
-            let (left, rest) = (bytes.get(..phase.feet.left())?, bytes.len().checked_sub(phase.feet.right())?);
-            let feet_q6 = [sum_q6(left), sum_q6(bytes.get(rest..)?)];
-            return Some((self.beyond_q6(0, phase, feet_q6, width_q8) >> 5) as i16);
+        if let Some(bytes) = row.quick_bytes() {
+            return self.overshoot_of_bytes(bytes.get(flank.from..flank.to)?, phase, width_q8);
         }
         self.overshoot_of_light(row, found, flank, phase)
+    }
+
+    /// Likewise of a flank at a phase near its column, given as grey bytes that may go on behind it.
+    #[inline(always)]
+    pub(super) fn overshoot_of_bytes(&self, bytes: &[u8], phase: &Phase, width_q8: u16) -> Option<i16> {
+        // Those of sharp edges have one pixel or two.
+        let sum_q6 = |pixels: &[u8]| match *pixels {
+            [one] => i32::from(one) << 6,
+            [one, other] => (i32::from(one) + i32::from(other)) << 6,
+            _ => pixels.iter().fold(0, |sum, pixel| sum + i32::from(*pixel)) << 6,
+        };
+        let (end, feet) = (phase.weights.len(), phase.feet);
+        let (left, right) = (bytes.get(..feet.left())?, bytes.get(end.checked_sub(feet.right())?..end)?);
+        Some((self.beyond_q6(0, phase, [sum_q6(left), sum_q6(right)], width_q8) >> 5) as i16)
     }
 
     /// Likewise where the light is no grey bytes.

@@ -42,15 +42,10 @@ impl<P: Pixels> PixelRow<'_, P> {
         self.pixels.grey().filter(|_| self.response.is_identity())?.get(stretch.columns())
     }
 
-    /// The same where edges are located in ways that are made for bytes.
+    /// The light of the whole row, where edges are located in ways that are made for bytes.
     #[inline(always)]
-    pub(super) fn quick_bytes(&self, stretch: Stretch) -> Option<&[u8]> {
-        if P::HAS_QUICK_WAYS { self.light_bytes(stretch) } else { None }
-    }
-
-    /// Whether there are such bytes.
-    pub(super) fn has_quick_bytes(&self) -> bool {
-        P::HAS_QUICK_WAYS && self.pixels.grey().is_some() && self.response.is_identity()
+    pub(crate) fn quick_bytes(&self) -> Option<&[u8]> {
+        if P::HAS_QUICK_WAYS { self.pixels.grey().filter(|_| self.response.is_identity()) } else { None }
     }
 
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.

@@ -82,7 +82,7 @@ impl EdgeModel {
         let parts = Parts::new(column_q8, first, pixels, template, bounds_q8, (row.columns(), row.colours()))?;
         let ([left, right], flank) = (parts.plateaus, parts.flank);
         let weights = phase.weights.get(parts.skipped..parts.skipped + flank.pixels())?;
-        let window = row.quick_bytes(Stretch { from: left.from, to: right.to })?;
+        let window = row.quick_bytes()?.get(left.from..right.to)?;
         let of = |stretch: Stretch| window.get(stretch.from - left.from..stretch.to - left.from);
         let (own_q8, flank) = ([mean_q8(of(left)?)?, mean_q8(of(right)?)?], of(flank)?);
         let seen = if self.is_textured() {

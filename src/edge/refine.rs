@@ -128,10 +128,10 @@ impl EdgeModel {
         is_measured: bool,
     ) -> Option<Fit> {
         let column_q8 = expected_q16 >> 8;
-        match WholeWindow::new(&row, column_q8, self.template(), bounds_q8).filter(|_| !self.is_textured()) {
+        let Some(bytes) = row.quick_bytes() else { return self.fit_in_window(row, column_q8, bounds_q8) };
+        match WholeWindow::new(bytes, column_q8, self.template(), bounds_q8).filter(|_| !self.is_textured()) {
             Some(window) => self.fit_whole(row.kind(), &window),
-            None if row.has_quick_bytes() => self.quick_fit(row, column_q8, bounds_q8, is_measured),
-            None => self.fit_in_window(row, column_q8, bounds_q8),
+            None => self.quick_fit(row, column_q8, bounds_q8, is_measured),
         }
     }
 

@@ -78,10 +78,20 @@ impl Scanner {
         let _ = self.scan_where(pixels, None, &[], true, found);
     }
 
-    /// Likewise, but only in the columns that are asked for, where these are given, and but for the flanks of known
+    /// Passes over a row in which nothing new is looked for.
+    pub(crate) fn pass(&mut self, pixels: impl Pixels) {
+        self.down.learn(&pixels);
+    }
+
+    /// Whether texture or noise everywhere hides edges that are anything but faint.
+    pub(crate) fn is_blinded(&self) -> bool {
+        self.least_difference() > WINDOW as u32 * MOST_HIDDEN
+    }
+
+    /// Scans a row, but only in the columns that are asked for, where these are given, and but for the flanks of known
     /// edges, from left to right: positions whose differences are these edges' own. What differs elsewhere in the spans
-    /// with such a flank is looked at where `looks_beside` says so. Whether texture or noise everywhere hides edges
-    /// that are anything but faint.
+    /// with such a flank is looked at where `looks_beside` says so. Whether what is in view is hidden, as
+    /// [`Scanner::is_blinded`] says.
     pub(crate) fn scan_where(
         &mut self,
         pixels: impl Pixels,
@@ -92,16 +102,10 @@ impl Scanner {
     ) -> bool {
         self.across.learn(&pixels);
         self.down.learn(&pixels);
-        let noise_q8 = self.noise_q8();
-        // One sigma of a difference, which sums eight pixels.
-        let of_noise_q8 = noise_q8 * 181 / 64;
-        let usual_q8 = usual(self.across.difference_q8(), self.down.difference_q8()).max(of_noise_q8);
-        // What is usual is texture where noise does not explain half of it.
-        let of_texture_q8 = (TEXTURE_SIGMAS * usual_q8).max(2 * NOISE_SIGMAS * of_noise_q8);
-        let least = (NOISE_SIGMAS * usual_q8).min(of_texture_q8) >> 8;
+        let (noise_q8, least) = (self.noise_q8(), self.least_difference());
         let least_rise = ((least * RISE_Q3) >> 3).max(LEAST_RISE);
         let least = least.max(LEAST_DIFFERENCE);
-        let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise_q8) >> 9);
+        let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise(noise_q8)) >> 9);
         let mut seen = 0;
         let look = |from, to| {
             between(flanks, from..to, |positions| {
@@ -113,6 +117,20 @@ impl Scanner {
         }
         least > WINDOW as u32 * MOST_HIDDEN
     }
+
+    /// How large a difference is that what is usual does not explain.
+    fn least_difference(&self) -> u32 {
+        let of_noise_q8 = of_noise(self.noise_q8());
+        let usual_q8 = usual(self.across.difference_q8(), self.down.difference_q8()).max(of_noise_q8);
+        // What is usual is texture where noise does not explain half of it.
+        let of_texture_q8 = (TEXTURE_SIGMAS * usual_q8).max(2 * NOISE_SIGMAS * of_noise_q8);
+        (NOISE_SIGMAS * usual_q8).min(of_texture_q8) >> 8
+    }
+}
+
+/// One sigma of a difference, which sums eight pixels, in 1/256 grey level.
+const fn of_noise(noise_q8: u32) -> u32 {
+    noise_q8 * 181 / 64
 }
 
 /// Whether what is usual across a row is so much less down the rows that it is upright edges.

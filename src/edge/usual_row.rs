@@ -5,13 +5,12 @@ use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
 use super::near_window::NearWindow;
 use super::norms::{Norms, per_freedom_q16, sigma_q16};
-use super::pixel_row::{PixelRow, mean_q8};
+use super::pixel_row::mean_q8;
 use super::products::Products;
 use super::refine::LocatedPoint;
 use super::template::Phase;
 use super::whole_window::{Sums, WholeWindow};
 use super::window::Neighbours;
-use crate::format::Pixels;
 
 impl EdgeModel {
     /// The edge near the expected column, within the gate, as [`EdgeModel::locate`] finds it; `None` where the row may
@@ -20,98 +19,87 @@ impl EdgeModel {
     /// The levels are the usual ones, the column is a step or two off and the width is one that the edge may have: then
     /// what remains is measured only in the rows from which the model learns.
     #[inline(always)]
-    pub(crate) fn locate_usual<P: Pixels>(
+    pub(crate) fn locate_usual(
         &mut self,
-        row: &PixelRow<'_, P>,
-        expected_q16: i32,
-        gate_q16: u32,
+        row: &[u8],
+        expected: Expectation,
         around: &Neighbours,
-    ) -> Option<LocatedPoint> {
+    ) -> Option<UsualPoint> {
         if !self.is_usual {
             return None;
         }
-        let step = self.usual_step(row, expected_q16, around)?;
-        if step.column_q16.abs_diff(expected_q16) > self.one_step_q16(step.sigma_q16) {
-            return self.locate_usual_in_two(row, step.column_q16, (expected_q16, gate_q16), around);
+        let step = self.usual_step(row, expected.column_q16, around)?;
+        if step.column_q16.abs_diff(expected.column_q16) > self.one_step_q16(step.sigma_q16) {
+            return self.locate_usual_in_two(row, step.column_q16, expected, around);
         }
-        self.take_usual(step, (expected_q16, gate_q16))
+        self.take_usual(step, expected)
     }
 
     /// Likewise with another step from where the first one has led, if that is no farther than the blur. What is found
     /// must not depend on what was expected, as in [`EdgeModel::approach`].
     #[inline(never)]
-    fn locate_usual_in_two<P: Pixels>(
+    fn locate_usual_in_two(
         &mut self,
-        row: &PixelRow<'_, P>,
+        row: &[u8],
         from_q16: i32,
-        (expected_q16, gate_q16): (i32, u32),
+        expected: Expectation,
         around: &Neighbours,
-    ) -> Option<LocatedPoint> {
-        if from_q16.abs_diff(expected_q16) > self.blur_q16() {
+    ) -> Option<UsualPoint> {
+        if from_q16.abs_diff(expected.column_q16) > self.blur_q16() {
             return None;
         }
         let step = self.usual_step(row, from_q16, around)?;
         let is_there = step.column_q16.abs_diff(from_q16) <= self.one_step_q16(step.sigma_q16);
-        if is_there { self.take_usual(step, (expected_q16, gate_q16)) } else { None }
+        if is_there { self.take_usual(step, expected) } else { None }
     }
 
     /// Likewise between neighbours that cut off its plateaus.
     #[inline(never)]
-    pub(crate) fn locate_near<P: Pixels>(
-        &mut self,
-        row: &PixelRow<'_, P>,
-        expected_q16: i32,
-        gate_q16: u32,
-        around: &Neighbours,
-    ) -> Option<LocatedPoint> {
+    pub(crate) fn locate_near(&mut self, row: &[u8], expected: Expectation, around: &Neighbours) -> Option<UsualPoint> {
         if !self.is_usual {
             return None;
         }
-        let mut step = self.near_step(row, expected_q16, around)?;
-        if step.column_q16.abs_diff(expected_q16) > self.one_step_q16(step.sigma_q16) {
+        let mut step = self.near_step(row, expected.column_q16, around)?;
+        if step.column_q16.abs_diff(expected.column_q16) > self.one_step_q16(step.sigma_q16) {
             let from_q16 = step.column_q16;
             step = self.near_step(row, from_q16, around)?;
             if step.column_q16.abs_diff(from_q16) > self.one_step_q16(step.sigma_q16) {
                 return None;
             }
         }
-        self.take_usual(step, (expected_q16, gate_q16))
+        self.take_usual(step, expected)
     }
 
     /// Takes what a step has found, if it is within the gate and what noise explains. Where the width is none that an edge
     /// may have, what remains of the row is measured.
     #[inline(always)]
-    fn take_usual(&mut self, step: UsualStep<'_>, (expected_q16, gate_q16): (i32, u32)) -> Option<LocatedPoint> {
-        let UsualStep { column_q16, sigma_q16, width_q12, .. } = step;
+    fn take_usual(&mut self, step: UsualStep<'_>, expected: Expectation) -> Option<UsualPoint> {
+        let UsualStep { flank, phase, column_q16, sigma_q16, width_q12, levels } = step;
         let noise_q16 = 4 * sigma_q16 + (u32::from(self.blur_q12) << 2);
-        if column_q16.abs_diff(expected_q16) > gate_q16.min(noise_q16) {
+        if column_q16.abs_diff(expected.column_q16) > expected.gate_q16.min(noise_q16) {
             return None;
         }
         let half_q12 = u32::from(self.blur_q12) / 2;
         let has_usual_width = width_q12.wrapping_sub(half_q12 as i32) as u32 <= 2 * half_q12;
         let width_q8 = if has_usual_width { (width_q12 >> 4) as u16 } else { self.width_near_q8(width_q12) };
         if !has_usual_width || self.learns_next() {
-            self.measure_usual(step)?;
+            // Made only here, so that most rows write it nowhere.
+            self.measure_usual(&UsualStep { flank, phase, column_q16, sigma_q16, width_q12, levels })?;
         }
         self.count_row();
-        Some(LocatedPoint { column_q16, sigma_q16: sigma_q16.max(1), width_q8 })
+        let overshoot = if expected.looks_for_halo { self.overshoot_of_bytes(flank, phase, width_q8) } else { None };
+        Some(UsualPoint { at: LocatedPoint { column_q16, sigma_q16: sigma_q16.max(1), width_q8 }, overshoot })
     }
 
     /// What the pixels around a column say, if both levels are the usual ones.
     #[inline(always)]
-    fn usual_step<'p, P: Pixels>(
-        &self,
-        row: &'p PixelRow<'_, P>,
-        from_q16: i32,
-        around: &Neighbours,
-    ) -> Option<UsualStep<'p>> {
+    fn usual_step<'p>(&self, row: &'p [u8], from_q16: i32, around: &Neighbours) -> Option<UsualStep<'p>> {
         let template = self.template();
         let window = WholeWindow::new(row, from_q16 >> 8, template, around.bounds_q8())?;
         let sums = window.sums();
         let own_q8 = sums.levels_q8(template);
         let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(0), own_q8);
-        let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
-        if off_q8.into_iter().any(|off_q8| self.departure(off_q8) != 0) {
+        if [own_left_q8 - left_q8, own_right_q8 - right_q8].into_iter().any(|off_q8| self.departure(off_q8) != 0) {
             return None;
         }
         let contrast = Contrast { is_falling: left_q8 > right_q8, reciprocal: self.per_contrast };
@@ -121,38 +109,30 @@ impl EdgeModel {
         Some(UsualStep {
             flank: window.flank(),
             phase,
-            cut_off: None,
-            own_q8,
-            off_q8,
-            of_flank: [false; 2],
             column_q16,
             sigma_q16,
             width_q12,
+            levels: OwnLevels { own_q8, cut_off: None, of_flank: [false; 2] },
         })
     }
 
     /// Likewise between neighbours that cut off its plateaus: the fewer pixels tell the levels, the less they tell
     /// whether these are the usual ones.
-    fn near_step<'p, P: Pixels>(
-        &self,
-        row: &'p PixelRow<'_, P>,
-        from_q16: i32,
-        around: &Neighbours,
-    ) -> Option<UsualStep<'p>> {
+    fn near_step<'p>(&self, row: &'p [u8], from_q16: i32, around: &Neighbours) -> Option<UsualStep<'p>> {
         let (column_q8, bounds_q8) = (from_q16 >> 8, around.bounds_q8());
-        if !self.is_alone(column_q8, bounds_q8, row.columns()) {
+        if !self.is_alone(column_q8, bounds_q8, row.len() as i32) {
             return None;
         }
         let NearWindow { flank, plateaus: [left, right], of_flank, phase, centre_q8 } =
             NearWindow::new(row, column_q8, self.template(), bounds_q8)?;
         let own_q8 = [mean_q8(left)?, mean_q8(right)?];
-        let (off_q8, contrast) = self.against_means(0, own_q8)?;
+        let (_, contrast) = self.against_means(0, own_q8)?;
         let products = Sums::of_flank(flank, phase.weights).products(phase, own_q8);
         let (column_q16, width_q12) = self.moved(phase, centre_q8, &products, &contrast);
         let plateaus = [left.len() as u32, right.len() as u32];
         let sigma_q16 = sigma_q16(phase.norms.sigma_beside_q8(plateaus, of_flank), self.noise_q8, contrast.reciprocal);
-        let cut_off = Some(plateaus);
-        Some(UsualStep { flank, phase, cut_off, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 })
+        let levels = OwnLevels { own_q8, cut_off: Some(plateaus), of_flank };
+        Some(UsualStep { flank, phase, column_q16, sigma_q16, width_q12, levels })
     }
 
     /// Column and width, from the inner products at a phase.
@@ -168,8 +148,9 @@ impl EdgeModel {
 
     /// Measures what remains of a row, and learns from it if it is time; `None` where too much remains.
     #[inline(never)]
-    fn measure_usual(&mut self, step: UsualStep<'_>) -> Option<()> {
-        let UsualStep { flank, phase, cut_off, own_q8, off_q8, of_flank, column_q16, sigma_q16, width_q12 } = step;
+    fn measure_usual(&mut self, step: &UsualStep<'_>) -> Option<()> {
+        let &UsualStep { flank, phase, column_q16, sigma_q16, width_q12, levels } = step;
+        let OwnLevels { own_q8, cut_off, of_flank } = levels;
         let Norms { per_slope, per_widening, .. } = phase.norms;
         let of_part = |plateaus| per_freedom_q16(phase.weights.len() as u32, plateaus);
         let per_freedom_q16 = cut_off.map_or(phase.norms.per_freedom_q16, of_part);
@@ -179,10 +160,28 @@ impl EdgeModel {
             return None;
         }
         if self.learns_next() {
+            let ([left_q8, right_q8], [own_left_q8, own_right_q8]) = (self.levels_q8(0), own_q8);
+            let off_q8 = [own_left_q8 - left_q8, own_right_q8 - right_q8];
             self.learn(0, &Fit { column_q16, sigma_q16, width_q12, residual_q16, off_q8, of_flank });
         }
         Some(())
     }
+}
+
+/// Where an edge should be in a row.
+#[derive(Clone, Copy)]
+pub(crate) struct Expectation {
+    pub(crate) column_q16: i32,
+    /// How far off it may lie.
+    pub(crate) gate_q16: u32,
+    /// Whether it is looked how far its levels overshoot.
+    pub(crate) looks_for_halo: bool,
+}
+
+/// Where it is, and [`EdgeModel::overshoot`] where that is asked for.
+pub(crate) struct UsualPoint {
+    pub(crate) at: LocatedPoint,
+    pub(crate) overshoot: Option<i16>,
 }
 
 /// One step towards an edge.
@@ -190,21 +189,26 @@ struct UsualStep<'p> {
     /// Pixels of the flank, and perhaps more behind it.
     flank: &'p [u8],
     phase: &'static Phase,
-    /// Pixels of the plateaus, where neighbours cut these off.
-    cut_off: Option<[u32; 2]>,
-    /// The row's own levels, and what they are off the mean ones.
-    own_q8: [i32; 2],
-    off_q8: [i32; 2],
-    of_flank: [bool; 2],
     column_q16: i32,
     sigma_q16: u32,
     width_q12: i32,
+    levels: OwnLevels,
+}
+
+/// The levels that a row itself shows beside an edge.
+#[derive(Clone, Copy)]
+struct OwnLevels {
+    own_q8: [i32; 2],
+    /// Pixels of the plateaus, where neighbours cut these off.
+    cut_off: Option<[u32; 2]>,
+    of_flank: [bool; 2],
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::pixel_row::PixelRow;
     use super::super::window::Neighbours;
-    use super::{EdgeModel, PixelRow};
+    use super::{EdgeModel, Expectation};
     use crate::edge::{EdgePoint, Polarity};
     use crate::setup::Response;
 
@@ -244,7 +248,9 @@ mod tests {
                     let Some(mut model) = EdgeModel::settled(row, &edge, around, 600) else { continue };
                     let Some(fit) = model.quick_fit(row, column_q16 >> 8, around.bounds_q8(), true) else { continue };
                     model.learn(0, &fit);
-                    let Some(near) = model.locate_near(&row, column_q16, 1 << 17, &around) else { continue };
+                    let expected = Expectation { column_q16, gate_q16: 1 << 17, looks_for_halo: false };
+                    let Some(near) = model.locate_near(&pixels, expected, &around) else { continue };
+                    let near = near.at;
                     let error = f64::from(near.column_q16 - column_q16) / f64::from(near.sigma_q16);
                     (sum, squares, found) = (sum + error, squares + error * error, found + 1.0);
                 }

@@ -2,11 +2,10 @@
 //! show.
 
 use super::moments::Moments;
-use super::pixel_row::{PixelRow, Stretch, sum};
+use super::pixel_row::sum;
 use super::products::Products;
 use super::template::{Phase, Sampled, Template};
 use super::weight::Weight;
-use crate::format::Pixels;
 
 /// What a [`Window`](super::window::Window) is where neither a neighbour nor the border cuts off a part, and the light
 /// is bytes.
@@ -31,8 +30,8 @@ pub(super) struct Sums {
 impl<'p> WholeWindow<'p> {
     // Inlined, as what follows, so that it stays in registers.
     #[inline(always)]
-    pub(super) fn new<P: Pixels>(
-        row: &'p PixelRow<'_, P>,
+    pub(super) fn new(
+        row: &'p [u8],
         column_q8: i32,
         template: &Template,
         (left_q8, right_q8): (i32, i32),
@@ -44,7 +43,7 @@ impl<'p> WholeWindow<'p> {
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
         let plateau = template.plateau() as usize;
         let from = usize::try_from(first - plateau as i32).ok()?;
-        let pixels = row.quick_bytes(Stretch { from, to: from + template.window() })?;
+        let pixels = row.get(from..from + template.window())?;
         Some(Self { pixels, plateau, phase, centre_q8 })
     }
 
@@ -128,9 +127,10 @@ impl Sums {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pixel_row::PixelRow;
     use super::super::weight::Weight;
     use super::super::window::Window;
-    use super::{PixelRow, Template, WholeWindow};
+    use super::{Template, WholeWindow};
     use crate::setup::Response;
 
     /// It sees what a window sees that may have parts cut off: the same moments, and levels to 1/256 of a grey level,
@@ -151,7 +151,7 @@ mod tests {
                 let row = PixelRow { pixels: &pixels, response: &Response::Linear };
                 let column_q8 = 120 * 256 + (any() % 512) as i32;
                 let bounds_q8 = (-(1 << 20), 1 << 20);
-                let whole = WholeWindow::new(&row, column_q8, template, bounds_q8).expect("far from the border");
+                let whole = WholeWindow::new(&pixels, column_q8, template, bounds_q8).expect("far from the border");
                 let window = Window::new(row, column_q8, template, bounds_q8).expect("in the row");
                 assert_eq!(whole.centre_q8, window.centre_q8);
                 let sums = whole.sums();
@@ -175,14 +175,13 @@ mod tests {
     #[test]
     fn it_is_whole() {
         let pixels = [100_u8; 64];
-        let row = PixelRow { pixels: &pixels, response: &Response::Linear };
         let template = Template::of(0);
         let (middle_q8, far_q8) = (32 << 8, template.far_q8());
-        let is_whole = |bounds_q8| WholeWindow::new(&row, middle_q8, template, bounds_q8).is_some();
+        let is_whole = |bounds_q8| WholeWindow::new(&pixels, middle_q8, template, bounds_q8).is_some();
         assert!(is_whole((middle_q8 - far_q8, middle_q8 + far_q8)));
         assert!(!is_whole((middle_q8 - far_q8 + 1, 1 << 20)) && !is_whole((-(1 << 20), middle_q8 + far_q8 - 1)));
         for column_q8 in (0..64 << 8).step_by(64) {
-            let is_whole = WholeWindow::new(&row, column_q8, template, (-(1 << 20), 1 << 20)).is_some();
+            let is_whole = WholeWindow::new(&pixels, column_q8, template, (-(1 << 20), 1 << 20)).is_some();
             let (first, last) = (template.at(column_q8).first - template.plateau(), template.window() as i32 - 1);
             assert_eq!(is_whole, first >= 0 && first + last < 64, "{column_q8}");
         }

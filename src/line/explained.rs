@@ -18,22 +18,40 @@ pub(super) fn flank(point: &EdgePoint) -> Range<u16> {
     position(point.column_q16 - half_q16)..position(point.column_q16.saturating_add(half_q16)) + 2
 }
 
+/// Adds a flank in its place; they come in order but for some.
+pub(super) fn add_flank<const LINES: usize>(flanks: &mut Flanks<LINES>, flank: Range<u16>) {
+    // There is room: one for each line.
+    if flanks.last().is_none_or(|last| last.start <= flank.start) {
+        let _ = flanks.push(flank);
+        return;
+    }
+    // It is never beyond them, which the compiler sees only so.
+    let at = flanks.partition_point(|other| other.start <= flank.start);
+    let _ = flanks.insert(at.min(flanks.len()), flank);
+}
+
 /// Whether nothing else is expected near a flank, at these columns in 1/65536 px.
 pub(super) fn is_alone(flank: &Range<u16>, mut others_q16: impl Iterator<Item = i32>) -> bool {
     let (middle, near) = ((i32::from(flank.start) + i32::from(flank.end)) / 2, flank.len() as u32 + NEAR_PX);
     others_q16.all(|other_q16| (other_q16 >> 16).abs_diff(middle) > near)
 }
 
-/// Whether a row is looked at beside its located lines: some of the rows are, or an edge that begins there would never
-/// be seen.
-pub(crate) const fn looks_beside(row: u16) -> bool {
-    row.is_multiple_of(LOOK_BESIDE_ROWS)
-}
-
 /// Whether a row that shows each line as the row before did is scanned for new ones: some are, of a mosaic of each kind.
 pub(crate) const fn looks_for_new(row: u16, is_mosaic: bool) -> bool {
-    let turn = if is_mosaic { row / 2 } else { row };
-    turn.is_multiple_of(LOOK_FOR_NEW_ROWS)
+    turn(row, is_mosaic).is_multiple_of(LOOK_FOR_NEW_ROWS as u32)
+}
+
+/// Whether such a row is looked at beside its located lines as well: some of them are, or an edge that begins there would
+/// never be seen.
+pub(crate) const fn looks_beside(row: u16, is_mosaic: bool) -> bool {
+    const { assert!(LOOK_BESIDE_ROWS.is_multiple_of(LOOK_FOR_NEW_ROWS), "the others are not scanned") };
+    turn(row, is_mosaic).is_multiple_of(LOOK_BESIDE_ROWS as u32)
+}
+
+/// Counts the rows of either kind of a mosaic.
+const fn turn(row: u16, is_mosaic: bool) -> u32 {
+    // As long as a register: what is a multiple is then told without a division.
+    (if is_mosaic { row / 2 } else { row }) as u32
 }
 
 /// What the located lines of a row explain, from left to right.

@@ -3,9 +3,8 @@
 
 use heapless::Vec;
 
-use super::explained::{Flanks, flank};
-use super::table::Table;
-use super::track::{RowTime, State, Track};
+use super::table::{Table, Tracks};
+use super::track::{RowTime, SeenRow, State, Track};
 use crate::edge::{EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
@@ -20,81 +19,69 @@ pub(super) struct Located {
     pub(super) has_young: bool,
 }
 
-impl Located {
-    fn add<const LINES: usize, const KNOTS: usize>(&mut self, track: &Track<KNOTS>, flanks: &mut Flanks<LINES>) {
-        // There is room: one for each line.
-        let _ = flanks.push(flank(&track.line.last));
-        self.lines += 1;
-        self.has_young |= track.is_young();
-    }
-}
-
-/// Locates the lines that the row before has shown and that need not be weighed against others, from left to right, adds
-/// their flanks, and notes the missed ones. What is left has to be looked at closely.
+/// Locates the lines that the row before has shown and that need not be weighed against others, from left to right, and
+/// notes the missed ones. What is left has to be looked at closely.
+#[inline(never)] // all of it then fits into the registers
 pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     table: &mut Table<LINES, KNOTS>,
     limits: &Limits,
     at: &RowTime,
     row: &PixelRow<'_, P>,
-    flanks: &mut Flanks<LINES>,
     missed: &mut Missed<LINES>,
 ) -> Located {
-    let column_q16 = |table: &Table<LINES, KNOTS>, index: usize| {
-        let place = table.under_way().get(index).copied()?;
-        Some((place, table.track(place)?.next_column_q16()))
+    let (places, mut tracks) = table.places_and_tracks();
+    let row = SeenRow { at, pixels: *row, bytes: row.quick_bytes(), limits };
+    let mut located = Located { lines: 0, has_young: false };
+    let column_q16 = |tracks: &Tracks<'_, KNOTS>, index: usize| {
+        let track = places.get(index).and_then(|place| tracks.get(*place));
+        track.map_or(Neighbours::NONE.right_q16, Track::next_column_q16)
     };
-    let (mut located, mut left_q16) = (Located { lines: 0, has_young: false }, Neighbours::NONE.left_q16);
-    let mut next = column_q16(table, 0);
-    for index in 0..table.under_way().len() {
-        let Some((place, own_q16)) = next else { break };
-        next = column_q16(table, index + 1);
-        let right_q16 = next.map_or(Neighbours::NONE.right_q16, |(_, right_q16)| right_q16);
-        let around = Neighbours { left_q16, right_q16 };
+    let (mut left_q16, mut own_q16) = (Neighbours::NONE.left_q16, column_q16(&tracks, 0));
+    for (index, place) in places.iter().enumerate() {
+        let around = Neighbours { left_q16, right_q16: column_q16(&tracks, index + 1) };
         left_q16 = left_q16.max(own_q16);
-        let Some(track) = table.track_mut(place) else { continue };
-        if track.locate_steady(at, row, &around, limits) {
-            located.add(track, flanks);
-            continue;
-        }
-        match locate_between(table, index, &around, limits, at, row) {
-            Some(true) => {
-                if let Some(track) = table.track(place) {
-                    located.add(track, flanks);
+        own_q16 = around.right_q16;
+        let Some(track) = tracks.get_mut(*place) else { continue };
+        if !track.locate_steady(&row, &around) {
+            let beside = [index.checked_sub(1), index.checked_add(1)].map(|index| places.get(index?).copied());
+            match locate_between(&mut tracks, *place, beside, &row, &around) {
+                Some(true) => {}
+                Some(false) => {
+                    let _ = missed.push(*place);
+                    continue;
                 }
+                None => continue,
             }
-            Some(false) => {
-                let _ = missed.push(place);
-            }
-            None => {}
         }
+        located.lines += 1;
+        located.has_young |= tracks.get(*place).is_some_and(Track::is_young);
     }
     located
 }
 
-/// Looks closely for the line at an index between these lines. `None` where it has to be weighed against others: one
+/// Looks closely for the line at a place between those beside it. `None` where it has to be weighed against others: one
 /// that is near and not surely another edge.
-#[inline(never)]
-fn locate_between<P: Pixels, const LINES: usize, const KNOTS: usize>(
-    table: &mut Table<LINES, KNOTS>,
-    index: usize,
+#[inline(never)] // few rows come here
+fn locate_between<P: Pixels, const KNOTS: usize>(
+    tracks: &mut Tracks<'_, KNOTS>,
+    place: u16,
+    beside: [Option<u16>; 2],
+    row: &SeenRow<'_, P>,
     around: &Neighbours,
-    limits: &Limits,
-    at: &RowTime,
-    row: &PixelRow<'_, P>,
 ) -> Option<bool> {
-    let place = *table.under_way().get(index)?;
-    let own = table.track(place).filter(|track| track.goes_on_in(at.row))?.line.last.polarity;
+    let own = tracks.get(place).filter(|track| track.goes_on_in(row.at.row))?.line.last.polarity;
     // One of the same polarity may be a fragment of the same edge.
-    let is_edge = |index: Option<usize>| {
-        let beside = index.and_then(|index| table.track(*table.under_way().get(index)?));
+    let is_edge = |place: Option<u16>| {
+        let beside = place.and_then(|place| tracks.get(place));
         beside.is_none_or(|track| track.state == State::Confirmed && track.line.last.polarity != own)
     };
-    let are_edges = [is_edge(index.checked_sub(1)), is_edge(index.checked_add(1))];
-    table.track_mut(place)?.locate_between(at, row, around, are_edges, limits)
+    let are_edges = beside.map(is_edge);
+    tracks.get_mut(place)?.locate_between(row, around, are_edges)
 }
 
 /// Gives each line its point, where a row shows each as the rows before did and nothing else. Whether one of the lines is
 /// young then; `None` where it does not, and nothing has changed.
+#[inline(never)] // all of it then fits into the registers
 pub(super) fn take_steady<const LINES: usize, const KNOTS: usize>(
     table: &mut Table<LINES, KNOTS>,
     limits: &Limits,
@@ -104,9 +91,10 @@ pub(super) fn take_steady<const LINES: usize, const KNOTS: usize>(
     if points.len() != table.under_way().len() || !are_steady(table, row, points) {
         return None;
     }
+    let (places, mut tracks) = table.places_and_tracks();
     let mut has_young = false;
-    for (index, point) in points.iter().enumerate() {
-        if let Some(track) = table.under_way().get(index).copied().and_then(|place| table.track_mut(place)) {
+    for (place, point) in places.iter().zip(points) {
+        if let Some(track) = tracks.get_mut(*place) {
             track.take_next_point(point, limits);
             has_young |= track.is_young();
         }

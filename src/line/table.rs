@@ -47,6 +47,21 @@ impl<const KNOTS: usize> Slot<KNOTS> {
     }
 }
 
+/// The lines in a table, which its lists of places outlive.
+pub(super) struct Tracks<'t, const KNOTS: usize>(&'t mut [Slot<KNOTS>]);
+
+impl<const KNOTS: usize> Tracks<'_, KNOTS> {
+    #[inline(always)]
+    pub(super) fn get(&self, place: u16) -> Option<&Track<KNOTS>> {
+        self.0.get(usize::from(place))?.track()
+    }
+
+    #[inline(always)]
+    pub(super) fn get_mut(&mut self, place: u16) -> Option<&mut Track<KNOTS>> {
+        self.0.get_mut(usize::from(place))?.track_mut()
+    }
+}
+
 impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     pub(super) const fn new() -> Self {
         const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
@@ -59,6 +74,11 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
 
     pub(super) fn track_mut(&mut self, place: u16) -> Option<&mut Track<KNOTS>> {
         self.slots.get_mut(usize::from(place))?.track_mut()
+    }
+
+    /// The places of the lines under way, and the lines in the table.
+    pub(super) fn places_and_tracks(&mut self) -> (&[u16], Tracks<'_, KNOTS>) {
+        (&self.under_way, Tracks(&mut self.slots))
     }
 
     /// All lines, in the order of their places.

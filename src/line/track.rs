@@ -8,7 +8,7 @@ use super::tuning::{
     GATE_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, SCATTER_POINTS,
     YOUNG_POINTS,
 };
-use crate::edge::{EdgeModel, EdgePoint, LocatedPoint, Neighbours, PixelRow, Untracked};
+use crate::edge::{EdgeModel, EdgePoint, Expectation, LocatedPoint, Neighbours, PixelRow, Untracked, UsualPoint};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -215,22 +215,15 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// Takes the edge's point in a row that shows it as the rows before did, alone between its neighbours. Else the row
     /// has to be looked at closely.
     #[inline(never)]
-    pub(super) fn locate_steady<P: Pixels>(
-        &mut self,
-        at: &RowTime,
-        row: &PixelRow<'_, P>,
-        around: &Neighbours,
-        limits: &Limits,
-    ) -> bool {
-        if !self.goes_on_in(at.row) || self.line.is_beside_texture {
+    pub(super) fn locate_steady<P: Pixels>(&mut self, row: &SeenRow<'_, P>, around: &Neighbours) -> bool {
+        if !self.goes_on_in(row.at.row) || self.line.is_beside_texture {
             return false;
         }
-        let (column_q16, gate_q16) = (self.next_column_q16(), self.next_gate_q16());
-        let around = self.line.untracked.among(*around, column_q16);
-        let Some(model) = &mut self.model else { return false };
-        let Some(found) = model.locate_usual(row, column_q16, gate_q16, &around) else { return false };
-        self.look_for_halo(row, &found, at);
-        self.take_next(&found, column_q16, at, limits);
+        let expected = self.expected_next(row.at);
+        let around = self.line.untracked.among(*around, expected.column_q16);
+        let (Some(bytes), Some(model)) = (row.quick_bytes(), &mut self.model) else { return false };
+        let Some(found) = model.locate_usual(bytes, expected, &around) else { return false };
+        self.take_next(&found, expected.column_q16, row.at, row.limits);
         true
     }
 
@@ -238,38 +231,39 @@ impl<const KNOTS: usize> Track<KNOTS> {
     /// where one of them is near and no edge for sure.
     pub(super) fn locate_between<P: Pixels>(
         &mut self,
-        at: &RowTime,
-        row: &PixelRow<'_, P>,
+        row: &SeenRow<'_, P>,
         around: &Neighbours,
         are_edges: [bool; 2],
-        limits: &Limits,
     ) -> Option<bool> {
-        let (column_q16, gate_q16) = (self.next_column_q16(), self.next_gate_q16());
+        let SeenRow { at, limits, .. } = row;
+        let expected = self.expected_next(at);
+        let Expectation { column_q16, gate_q16, .. } = expected;
         let model = self.model.as_mut()?;
         if !around.are_far_but_for(are_edges, model.far_q16(), column_q16) {
             return None;
         }
-        if !self.line.is_beside_texture
-            && let Some(found) =
-                model.locate_near(row, column_q16, gate_q16, &self.line.untracked.among(*around, column_q16))
+        if let Some(bytes) = row.quick_bytes().filter(|_| !self.line.is_beside_texture)
+            && let Some(found) = model.locate_near(bytes, expected, &self.line.untracked.among(*around, column_q16))
         {
-            self.look_for_halo_apart(row, &found, at);
             self.take_next_apart(&found, column_q16, at, limits);
             return Some(true);
         }
-        Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, *at, *row, *around, limits))
+        Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, **at, row.pixels, *around, limits))
     }
 
     /// [`Self::take_next`] in code of its own: few rows come here.
     #[inline(never)]
-    fn take_next_apart(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
+    fn take_next_apart(&mut self, found: &UsualPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
         self.take_next(found, predicted_q16, at, limits);
     }
 
     /// Takes what the next row shows as the rows before did.
     #[inline(always)]
-    fn take_next(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
-        let &LocatedPoint { column_q16, sigma_q16, width_q8 } = found;
+    fn take_next(&mut self, found: &UsualPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
+        let UsualPoint { at: LocatedPoint { column_q16, sigma_q16, width_q8 }, overshoot } = *found;
+        if let Some(overshoot) = overshoot {
+            self.line.prominence.add_overshoot(overshoot);
+        }
         // A row that disagrees with its line weighs less.
         let off_q16 = column_q16.abs_diff(predicted_q16);
         self.line.push_next(at.row, at.time_ns, column_q16, sigma_q16.max(off_q16 / 2), width_q8);
@@ -282,20 +276,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
         }
     }
 
-    /// Looks how far the levels overshoot beside the edge where its model has found it.
-    #[inline(always)]
-    fn look_for_halo<P: Pixels>(&mut self, row: &PixelRow<'_, P>, found: &LocatedPoint, at: &RowTime) {
-        if at.looks_for_halo
-            && let Some(overshoot) = self.model.as_ref().and_then(|model| model.overshoot(row, found))
-        {
-            self.line.prominence.add_overshoot(overshoot);
+    /// Where the next row should show it.
+    fn expected_next(&self, at: &RowTime) -> Expectation {
+        Expectation {
+            column_q16: self.next_column_q16(),
+            gate_q16: self.next_gate_q16(),
+            looks_for_halo: at.looks_for_halo,
         }
-    }
-
-    /// [`Self::look_for_halo`] in code of its own: few rows come here.
-    #[inline(never)]
-    fn look_for_halo_apart<P: Pixels>(&mut self, row: &PixelRow<'_, P>, found: &LocatedPoint, at: &RowTime) {
-        self.look_for_halo(row, found, at);
     }
 
     #[inline(never)] // seldom
@@ -323,7 +310,11 @@ impl<const KNOTS: usize> Track<KNOTS> {
             self.line.is_beside_texture = true;
             self.line.raise_sigmas(self.stated_sigma_q16(0));
         }
-        self.look_for_halo_apart(&row, &found, &at);
+        if at.looks_for_halo
+            && let Some(overshoot) = self.model.as_ref().and_then(|model| model.overshoot(&row, &found))
+        {
+            self.line.prominence.add_overshoot(overshoot);
+        }
         self.take_located(&found, prediction.column_q16, &at, limits)
     }
 
@@ -369,6 +360,23 @@ impl<const KNOTS: usize> Track<KNOTS> {
     pub(super) fn is_young(&self) -> bool {
         const MOST: u16 = if YOUNG_POINTS > MOST_STITCH_POINTS { YOUNG_POINTS } else { MOST_STITCH_POINTS };
         self.state == State::Confirmed && self.line.points() <= MOST
+    }
+}
+
+/// A row in which steady lines are located.
+pub(super) struct SeenRow<'p, P> {
+    pub(super) at: &'p RowTime,
+    pub(super) pixels: PixelRow<'p, P>,
+    /// [`PixelRow::quick_bytes`].
+    pub(super) bytes: Option<&'p [u8]>,
+    pub(super) limits: &'p Limits,
+}
+
+impl<'p, P: Pixels> SeenRow<'p, P> {
+    /// Its bytes, in a way that leaves out what is made for them where the format never has any.
+    #[inline(always)]
+    fn quick_bytes(&self) -> Option<&'p [u8]> {
+        if P::HAS_QUICK_WAYS { self.bytes } else { None }
     }
 }
 

@@ -7,7 +7,7 @@ use heapless::Vec;
 use super::association::{Association, Outcome, Pair};
 use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
-use super::explained::{Explained, Flanks, flank, is_alone};
+use super::explained::{Explained, Flanks, add_flank, flank, is_alone};
 use super::jump::Jump;
 use super::learning::look_at;
 use super::line::Line;
@@ -132,10 +132,9 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         at: RowTime,
         pixels: PixelRow<'_, P>,
         candidates: &mut Candidates<LINES>,
-        flanks: &mut Flanks<LINES>,
     ) -> bool {
         let mut missed = Missed::new();
-        let Located { lines, has_young } = locate_steady(&mut self.table, limits, &at, &pixels, flanks, &mut missed);
+        let Located { lines, has_young } = locate_steady(&mut self.table, limits, &at, &pixels, &mut missed);
         self.count_points(lines as u32);
         if lines == self.table.under_way().len() {
             return !has_young;
@@ -149,22 +148,25 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
                 && let Some(track) = self.table.track_mut(*slot)
                 && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
-                let flank = flank(track.line.last());
-                let at = flanks.partition_point(|other| other.start <= flank.start);
-                // There is room: one for each line. It is never beyond them, which the compiler sees only so.
-                let _ = flanks.insert(at.min(flanks.len()), flank);
                 candidates.see(index);
                 located += 1;
             }
         }
         self.count_points(located);
         candidates.leave_unseen();
-        // Others may lie near located ones, also hidden ones, which another one may continue.
-        if candidates.len() > 0 {
-            let others_q16 = candidates.iter().map(|candidate| candidate.prediction.column_q16);
-            flanks.retain(|flank| is_alone(flank, others_q16.clone()));
-        }
         false
+    }
+
+    /// Adds the flanks of the lines that a row has shown so far and that stand alone: others may lie near them, also hidden
+    /// ones, which another one may continue.
+    pub(crate) fn add_flanks(&self, row: u16, candidates: &Candidates<LINES>, flanks: &mut Flanks<LINES>) {
+        let others_q16 = candidates.iter().map(|candidate| candidate.prediction.column_q16);
+        for last in self.table.tracks_under_way().map(|track| track.line.last()).filter(|last| last.row == row) {
+            let flank = flank(last);
+            if is_alone(&flank, others_q16.clone()) {
+                add_flank(flanks, flank);
+            }
+        }
     }
 
     /// Removes the scanned points of a row that located lines explain. To be called before [`Tracker::row`] takes the

@@ -161,11 +161,11 @@ pub(super) const LEAST_STEPS: i8 = 5;
 /// While nothing begins or ends, what may begin is looked for in every so many rows: that is most of what an empty row
 /// costs, and a line is found so much later at most (`frames::a_post_is_found_in_single_precision`,
 /// `cargo xtask budget --use flat`).
-pub(super) const LOOK_FOR_NEW_ROWS: u16 = 2;
+pub(super) const LOOK_FOR_NEW_ROWS: u16 = 3;
 
 /// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look
 /// costs as much as locating its line (`cargo xtask budget --use "two bars"`).
-pub(super) const LOOK_BESIDE_ROWS: u16 = 8;
+pub(super) const LOOK_BESIDE_ROWS: u16 = 2 * LOOK_FOR_NEW_ROWS;
 
 /// A scanned point so near to a line without blur, in 1/65536 px, is the line's own even if the line has one already: a
 /// part of an edge that noise has broken (`parallel_edges::a_step_beside_one_three_times_as_strong_is_a_line` with twice;
