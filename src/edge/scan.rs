@@ -85,7 +85,7 @@ impl Scanner {
 
     /// Whether texture or noise everywhere hides edges that are anything but faint.
     pub(crate) fn is_blinded(&self) -> bool {
-        self.least_difference() > WINDOW as u32 * MOST_HIDDEN
+        hides_edges(self.least_difference())
     }
 
     /// Scans a row, but only in the columns that are asked for, where these are given, and but for the flanks of known
@@ -115,7 +115,7 @@ impl Scanner {
         if asked.is_none_or(|asked| !asked.is_empty()) {
             coarse(&pixels, least_peak, asked, if looks_beside { &[] } else { flanks }, look);
         }
-        least > WINDOW as u32 * MOST_HIDDEN
+        hides_edges(least)
     }
 
     /// How large a difference is that what is usual does not explain.
@@ -131,6 +131,11 @@ impl Scanner {
 /// One sigma of a difference, which sums eight pixels, in 1/256 grey level.
 const fn of_noise(noise_q8: u32) -> u32 {
     noise_q8 * 181 / 64
+}
+
+/// Whether edges that are anything but faint differ by no more than this.
+const fn hides_edges(least_difference: u32) -> bool {
+    least_difference > WINDOW as u32 * MOST_HIDDEN
 }
 
 /// Whether what is usual across a row is so much less down the rows that it is upright edges.
