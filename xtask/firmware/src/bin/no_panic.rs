@@ -5,14 +5,13 @@
 
 use core::hint::black_box;
 
-use budget_firmware::Number;
 use shutter_range::format::Compact;
 use shutter_range::rse::{Endpoint, Shear, range_of_endpoints};
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Texture};
 use shutter_range::{
-    Camera, Distortion, EdgePoint, Intrinsics, LensBlur, Line, Motion, MotionBlur, ParameterError, Range, RangeStatus,
-    Ranger, Readout, ReadoutDirection, Response, Sample, Scalar, Scanner, SensorClock, Sequence, Setup, Sigmas,
-    StampConvention, Strict, Trajectory, TrajectoryConfig, Translation, Twist, Uncertainty, fit,
+    Camera, Distortion, EdgePoint, Intrinsics, LensBlur, Line, Micro, Motion, MotionBlur, ParameterError, Q32, Range,
+    RangeStatus, Ranger, Readout, ReadoutDirection, Response, Sample, Scalar, Scanner, SensorClock, Sequence, Setup,
+    Sigmas, StampConvention, Strict, Trajectory, TrajectoryConfig, Translation, Twist, Uncertainty, fit,
 };
 
 const ROWS: u16 = 96;
@@ -23,18 +22,24 @@ type Tables = Ranger<6, 8, 24>;
 budget_firmware::program!(run);
 
 fn run() {
-    let failed = failed_part(&mut Tables::new());
-    if failed > 0 {
-        semihosting::process::exit(failed);
+    let ranger = &mut Tables::new();
+    let failed = [
+        failed_part::<f32>(ranger),
+        failed_part::<f64>(ranger),
+        failed_part::<Micro>(ranger),
+        failed_part::<Q32>(ranger),
+    ];
+    if let Some((back_end, part)) = (1..).zip(failed).find(|(_, part)| *part > 0) {
+        semihosting::process::exit(10 * back_end + part);
     }
 }
 
-fn number(numerator: i32, denominator: i32) -> Number {
-    Number::ratio(black_box(numerator), black_box(denominator))
+fn number<S: Scalar>(numerator: i32, denominator: i32) -> S {
+    S::ratio(black_box(numerator), black_box(denominator))
 }
 
 /// A lens with distortion, and everything uncertain, so that all of the solver is linked.
-fn setup(is_distorted: bool) -> Result<Setup<Number>, ParameterError> {
+fn setup<S: Scalar>(is_distorted: bool) -> Result<Setup<S>, ParameterError> {
     let lens = [-2, 1, 0, 0, 0].map(|thousandths| number(thousandths, 1000));
     let lens = if is_distorted { Distortion::from_opencv(lens) } else { Distortion::NONE };
     let camera = Camera::new(Intrinsics::centred(COLUMNS, ROWS, number(120, 1)), lens)?;
@@ -52,26 +57,26 @@ fn setup(is_distorted: bool) -> Result<Setup<Number>, ParameterError> {
         .with_motion_blur(MotionBlur::from_exposure(number(1, 1000)))
 }
 
-fn motion() -> Result<Twist<Number>, ParameterError> {
-    let velocity = [number(-2, 1), Number::ZERO, number(1, 10)];
-    Twist::new(velocity, [Number::ZERO, number(2, 100), Number::ZERO], [Number::ZERO, Number::ONE, number(1, 100)])
+fn motion<S: Scalar>() -> Result<Twist<S>, ParameterError> {
+    let velocity = [number(-2, 1), S::ZERO, number(1, 10)];
+    Twist::new(velocity, [S::ZERO, number(2, 100), S::ZERO], [S::ZERO, S::ONE, number(1, 100)])
 }
 
 /// The number of the part that has not done its work; zero where all have.
-fn failed_part(ranger: &mut Tables) -> i32 {
-    let (Ok(setup), Ok(motion)) = (setup(black_box(true)), motion()) else { return 1 };
+fn failed_part<S: Scalar>(ranger: &mut Tables) -> i32 {
+    let (Ok(setup), Ok(motion)) = (setup::<S>(black_box(true)), motion()) else { return 1 };
     let parts = [
         pixels(ranger, &setup, &motion),
         small(&setup),
         points(ranger, &setup, &motion),
         Ok(by_hand(&setup, &motion)),
-        equations(),
+        equations::<S>(),
     ];
     (2..).zip(parts).find(|(_, went_well)| *went_well != Ok(true)).map_or(0, |(part, _)| part)
 }
 
 /// Rows of the simulator: whole frames, torn ones, refused rows; ranges, lines, and what the scanner finds on its own.
-fn pixels(ranger: &mut Tables, setup: &Setup<Number>, motion: &Twist<Number>) -> Result<bool, ParameterError> {
+fn pixels<S: Scalar>(ranger: &mut Tables, setup: &Setup<S>, motion: &Twist<S>) -> Result<bool, ParameterError> {
     let texture = Texture { contrast: black_box(5.0), cell: 0.05, seed: 1 };
     let mut scene = Scene::<3>::new(Background::textured(200.0, texture))?;
     scene.push(Bar::upright(black_box(0.0), 1.0, 0.2, 40.0))?;
@@ -110,8 +115,8 @@ fn pixels(ranger: &mut Tables, setup: &Setup<Number>, motion: &Twist<Number>) ->
 
 /// What small programs use: rows that are only scanned or compact, lines and ranges that are not repaired.
 #[inline(never)]
-fn small(setup: &Setup<Number>) -> Result<bool, ParameterError> {
-    let motion = Translation::level([number(-2, 1), Number::ZERO, number(1, 10)])?;
+fn small<S: Scalar>(setup: &Setup<S>) -> Result<bool, ParameterError> {
+    let motion = Translation::level([number(-2, 1), S::ZERO, number(1, 10)])?;
     let (mut ranger, mut ranged): (Ranger<4, 8, 8, Strict>, _) = (Ranger::strict(), 0_u32);
     for frame in 0..2 {
         for row in 0..ROWS {
@@ -134,17 +139,17 @@ fn small(setup: &Setup<Number>) -> Result<bool, ParameterError> {
 }
 
 /// Edge points: rows in order and not, ends of rows, a sequence under a trajectory.
-fn points(ranger: &mut Tables, setup: &Setup<Number>, motion: &Twist<Number>) -> Result<bool, ParameterError> {
+fn points<S: Scalar>(ranger: &mut Tables, setup: &Setup<S>, motion: &Twist<S>) -> Result<bool, ParameterError> {
     let trajectory = drive();
     let window_ns = 0..=setup.readout().row_time_ns(ROWS);
     let Ok(frame_motion) = trajectory.frame(black_box(10_000_000), window_ns) else { return Ok(false) };
-    let mut sequence: Sequence<Number, 3> = Sequence::new();
+    let mut sequence: Sequence<S, 3> = Sequence::new();
     let mut lens = LensBlur::new(MotionBlur::from_exposure(number(1, 1000)));
     let interval_s = number(1, 30);
     let mut sound = 0_u32;
     for _ in 0..2 {
         stream(ranger, setup);
-        let mut take = |range: Range<Number>| {
+        let mut take = |range: Range<S>| {
             let near = range.depth(Sigmas(number(2, 1))).nearest_m.is_some();
             let far = range.distance(Sigmas(number(2, 1))).farthest_m.is_some();
             sound += u32::from(near || far || range.status == RangeStatus::Ok);
@@ -161,12 +166,12 @@ fn points(ranger: &mut Tables, setup: &Setup<Number>, motion: &Twist<Number>) ->
     Ok(sound > 0 && sequence.landmarks() == 0 && setup.motion_blur().is_some())
 }
 
-fn point(setup: &Setup<Number>, row: u16, column: i32) -> EdgePoint {
+fn point<S: Scalar>(setup: &Setup<S>, row: u16, column: i32) -> EdgePoint {
     let column_q16 = black_box((column << 16) + 9_000 * i32::from(row));
     EdgePoint::new(row, column_q16, setup.readout().row_time_ns(row))
 }
 
-fn stream(ranger: &mut Tables, setup: &Setup<Number>) {
+fn stream<S: Scalar>(ranger: &mut Tables, setup: &Setup<S>) {
     for row in 0..ROWS {
         for column in [30, 70] {
             let _ = ranger.edge_point(setup, point(setup, black_box(row), column));
@@ -179,7 +184,7 @@ fn stream(ranger: &mut Tables, setup: &Setup<Number>) {
     ranger.end_frame(setup);
 }
 
-fn line(setup: &Setup<Number>, column: i32) -> Line<8> {
+fn line<S: Scalar>(setup: &Setup<S>, column: i32) -> Line<8> {
     let mut line = Line::new(point(setup, 0, column));
     for row in 1..ROWS {
         let _ = line.push(point(setup, black_box(row), column));
@@ -188,7 +193,7 @@ fn line(setup: &Setup<Number>, column: i32) -> Line<8> {
 }
 
 /// Samples of odometry and an inertial sensor every 5 ms; more than there is room for.
-fn drive() -> Trajectory<Number, 12> {
+fn drive<S: Scalar>() -> Trajectory<S, 12> {
     let clock = SensorClock { offset_ns: black_box(-1_000_000), max_gap_ns: 10_000_000 };
     let mut trajectory = Trajectory::new(TrajectoryConfig {
         velocity: StampConvention::MeanSincePrevious(clock),
@@ -197,20 +202,20 @@ fn drive() -> Trajectory<Number, 12> {
     });
     for k in 0..14 {
         let stamp_ns = black_box(k * 5_000_000);
-        let _ = trajectory.push_velocity(stamp_ns, [number(-2, 1), Number::ZERO, number(1, 10)]);
-        let _ = trajectory.push_rate(stamp_ns, [Number::ZERO, number(2, 100), Number::ZERO]);
-        let _ = trajectory.push_gravity(stamp_ns, [Number::ZERO, number(981, 100), Number::ZERO]);
+        let _ = trajectory.push_velocity(stamp_ns, [number(-2, 1), S::ZERO, number(1, 10)]);
+        let _ = trajectory.push_rate(stamp_ns, [S::ZERO, number(2, 100), S::ZERO]);
+        let _ = trajectory.push_gravity(stamp_ns, [S::ZERO, number(981, 100), S::ZERO]);
     }
     trajectory
 }
 
 /// A line and samples of one's own.
-fn by_hand(setup: &Setup<Number>, motion: &Twist<Number>) -> bool {
+fn by_hand<S: Scalar>(setup: &Setup<S>, motion: &Twist<S>) -> bool {
     let line = line(setup, 40);
     let range = Range::from_line(setup, motion, &line);
     let budget = range.estimate.budget;
-    let parts = budget.parts().iter().filter(|(_, part)| *part >= Number::ZERO).count();
-    let is_stated = budget.independent_per_m() >= Number::ZERO && budget.correlated_per_m() >= Number::ZERO;
+    let parts = budget.parts().iter().filter(|(_, part)| *part >= S::ZERO).count();
+    let is_stated = budget.independent_per_m() >= S::ZERO && budget.correlated_per_m() >= S::ZERO;
     let of_samples = fit::<_, _, 8>(setup, motion, line.samples());
     let by_one =
         fit::<_, _, 8>(setup, motion, [Sample::point(number(3, 1), number(4, 1), number(1, 100), number(1, 10))]);
@@ -219,14 +224,14 @@ fn by_hand(setup: &Setup<Number>, motion: &Twist<Number>) -> bool {
 }
 
 /// The paper's equations, and two ends of an edge.
-fn equations() -> Result<bool, ParameterError> {
-    let shear = Shear::oblique(number(2361, 1000), number(1, 10), number(3, 10));
+fn equations<S: Scalar>() -> Result<bool, ParameterError> {
+    let shear: Shear<S> = Shear::oblique(number(2361, 1000), number(1, 10), number(3, 10));
     let depth_m =
         shear.depth_m(shear.angle_rad(number(5, 1), number(10, 1), number(1, 50)), number(10, 1), number(1, 50));
     let end = |w, u, hundredths| Endpoint { u, w, time_s: number(hundredths, 100), sigma: number(1, 1000) };
     let ends = [end(number(-1, 3), number(1, 10), 0), end(number(1, 3), number(11, 100), 2)];
     let [first, last] = ends;
-    let estimate = range_of_endpoints(first, last, [number(-2, 1), Number::ZERO, Number::ZERO], number(2, 1000))?;
+    let estimate = range_of_endpoints(first, last, [number(-2, 1), S::ZERO, S::ZERO], number(2, 1000))?;
     // The shortest trigonometry is good to a few per cent.
-    Ok((depth_m - number(5, 1)).abs() < number(1, 2) && estimate.inverse_depth_per_m > Number::ZERO)
+    Ok((depth_m - number(5, 1)).abs() < number(1, 2) && estimate.inverse_depth_per_m > S::ZERO)
 }
