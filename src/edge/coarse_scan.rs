@@ -4,6 +4,7 @@ use core::ops::Range;
 
 use super::noise::WINDOW;
 use super::pixel_row::{grey, pairs};
+use super::tuning::{MOST_QUIET, QUIET_GROUPS, QUIET_LOOKS, QUIET_TURNS};
 use crate::format::Pixels;
 
 /// Pixels of a span: two words of four. What is compared when its turn comes are four boundaries of which the first is
@@ -69,18 +70,65 @@ impl Comparison {
     }
 }
 
-/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit: of the
-/// columns that are asked for, if any are, and without spans with explained positions.
+/// For how long it has been quiet in each group of a row's spans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Quiet {
+    looks: [u8; QUIET_GROUPS],
+    turn: u8,
+}
+
+impl Quiet {
+    /// Before a frame.
+    pub(super) const UNSEEN: Self = Self { looks: [0; QUIET_GROUPS], turn: 0 };
+
+    /// The next row is one with texture.
+    pub(super) const fn begin_row(&mut self) {
+        self.turn = (self.turn + 1) % QUIET_TURNS;
+    }
+
+    /// In which of some spans from one of a group on there is a difference beyond the limit, if it is quiet there.
+    #[inline(never)] // rows without texture do not come here
+    fn beyond_in(&mut self, limit: u32, from: usize, spans: &[u8]) -> Option<u32> {
+        let looks = self.looks.get_mut(from / GROUP)?;
+        let is_quiet = *looks >= QUIET_LOOKS;
+        if !is_quiet && self.turn > 0 {
+            return None;
+        }
+        let beyond = Comparison::beyond_in(limit, spans);
+        if beyond.count_ones() > MOST_QUIET {
+            *looks = 0;
+            return None;
+        }
+        // A few spans between flanks are no group.
+        if !is_quiet && spans.len() > GROUP / 2 * SPAN {
+            *looks += 1;
+        }
+        is_quiet.then_some(beyond)
+    }
+}
+
+/// A stretch of spans.
+struct Stretch {
+    start: usize,
+    end: usize,
+    is_quiet: bool,
+}
+
+/// Hands over the stretches of pixels in which a difference of two sums of four pixels is beyond the limit, or beyond a
+/// lower one where it is quiet, and whether it is: of the columns that are asked for, if any are, and without spans with
+/// explained positions.
 pub(super) fn coarse(
     pixels: &impl Pixels,
     limit: u32,
+    mut quiet: Option<(u32, &mut Quiet)>,
     asked: Option<&[Range<u16>]>,
     explained: &[Range<u16>],
-    mut stretch: impl FnMut(usize, usize),
+    mut stretch: impl FnMut(Range<usize>, bool),
 ) {
     let is_asked = |span| asked.is_none_or(|asked| asked.iter().any(|columns| spans_of(columns).contains(&span)));
     let mut buffer = [0; SPAN * (GROUP + 1)];
-    let mut open: Option<(usize, usize)> = None;
+    let mut open: Option<Stretch> = None;
     let spans = pixels.columns() / SPAN;
     let (mut at, mut flanks) = (1, explained.iter());
     loop {
@@ -90,10 +138,12 @@ pub(super) fn coarse(
             let end = gap_end.min(at + GROUP);
             // With the span before it.
             let group = grey(pixels, (at - 1) * SPAN..end * SPAN, &mut buffer);
-            let mut beyond = Comparison::beyond_in(limit, group);
+            let where_quiet = quiet.as_mut().and_then(|(limit, quiet)| quiet.beyond_in(*limit, at, group));
+            let is_quiet = where_quiet.is_some();
+            let mut beyond = where_quiet.unwrap_or_else(|| Comparison::beyond_in(limit, group));
             while beyond != 0 {
                 if beyond & 1 != 0 && is_asked(at) {
-                    add_stretch(&mut open, at, &mut stretch);
+                    add_stretch(&mut open, at, is_quiet, &mut stretch);
                 }
                 (beyond, at) = (beyond >> 1, at + 1);
             }
@@ -103,11 +153,11 @@ pub(super) fn coarse(
         at = at.max(flank.end);
     }
     if !pixels.columns().is_multiple_of(SPAN) && has_edge_in_tail(pixels, limit) {
-        add_stretch(&mut open, spans.max(2) - 1, &mut stretch);
-        add_stretch(&mut open, spans.max(2), &mut stretch);
+        add_stretch(&mut open, spans.max(2) - 1, false, &mut stretch);
+        add_stretch(&mut open, spans.max(2), false, &mut stretch);
     }
-    if let Some((start, end)) = open {
-        stretch(start * SPAN - WINDOW, end * SPAN - WINDOW);
+    if let Some(last) = open {
+        last.hand_over(&mut stretch);
     }
 }
 
@@ -125,13 +175,19 @@ fn spans_of(positions: &Range<u16>) -> Range<usize> {
     span_of(positions.start)..span_of(positions.end) + 1
 }
 
+impl Stretch {
+    fn hand_over(&self, stretch: &mut impl FnMut(Range<usize>, bool)) {
+        stretch(self.start * SPAN - WINDOW..self.end * SPAN - WINDOW, self.is_quiet);
+    }
+}
+
 /// Joins a span to the stretch before it if they touch, or hands that one over and opens another.
-fn add_stretch(open: &mut Option<(usize, usize)>, span: usize, stretch: &mut impl FnMut(usize, usize)) {
+fn add_stretch(open: &mut Option<Stretch>, span: usize, is_quiet: bool, stretch: &mut impl FnMut(Range<usize>, bool)) {
     match open {
-        Some((_, end)) if span <= *end => *end = span + 1,
+        Some(last) if span <= last.end && last.is_quiet == is_quiet => last.end = span + 1,
         _ => {
-            if let Some((start, end)) = open.replace((span, span + 1)) {
-                stretch(start * SPAN - WINDOW, end * SPAN - WINDOW);
+            if let Some(last) = open.replace(Stretch { start: span, end: span + 1, is_quiet }) {
+                last.hand_over(stretch);
             }
         }
     }

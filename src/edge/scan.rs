@@ -7,23 +7,24 @@
 
 use core::ops::Range;
 
-use super::coarse_scan::coarse;
+use super::coarse_scan::{Quiet, coarse};
 use super::fine_scan::fine;
 use super::noise::{Across, Down, WINDOW};
 use super::scanned_point::ScannedPoint;
 use super::tuning::{
-    LEAST_DIFFERENCE, LEAST_NOISE_Q8, LEAST_RISE, MOST_HIDDEN, NOISE_SIGMAS, PEAK_SIGMAS_Q1, RISE_Q3, TEXTURE_SIGMAS,
-    UPRIGHT_RATIO,
+    LEAST_DIFFERENCE, LEAST_NOISE_Q8, LEAST_RISE, MOST_HIDDEN, NOISE_SIGMAS, PEAK_SIGMAS_Q1, QUIET_SIGMAS, RISE_Q3,
+    TEXTURE_SIGMAS, UPRIGHT_RATIO,
 };
 use crate::format::Pixels;
 
 /// Finds the edge points of rows of pixels. All that it remembers is the noise and the texture of the rows so far, and
-/// a few pixels of them: 64 bytes.
+/// a few pixels of them: 84 bytes.
 ///
 /// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where
 /// the means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma
-/// of what is usual in these rows, or three where that is not noise but texture. Both change down the rows as much as
-/// across them; where what is usual across does not, upright edges are usual, as in a fence.
+/// of what is usual in these rows, or three where that is not noise but texture; and by no more than six sigma of noise
+/// where it is quiet, whatever texture there is elsewhere. Both change down the rows as much as across them; where what
+/// is usual across does not, upright edges are usual, as in a fence.
 ///
 /// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels; a fence
 /// whose contrast is below 40 levels may pass for texture. *Cost*: some six instructions a pixel, and fifteen more near
@@ -47,6 +48,7 @@ use crate::format::Pixels;
 pub struct Scanner {
     across: Across,
     down: Down,
+    quiet: Quiet,
 }
 
 impl Scanner {
@@ -56,7 +58,7 @@ impl Scanner {
     /// A scanner that has seen nothing yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { across: Across::new(), down: Down::new() }
+        Self { across: Across::new(), down: Down::new(), quiet: Quiet::UNSEEN }
     }
 
     /// One sigma of a pixel's noise as the rows so far show it, in 1/256 grey level.
@@ -70,6 +72,7 @@ impl Scanner {
     /// before.
     pub(crate) const fn begin_frame(&mut self) {
         self.down.begin_frame();
+        self.quiet = Quiet::UNSEEN;
     }
 
     /// Scans a row, dark 0 to bright 255 if it is one of bytes, and hands its edge points to `found`, from left to
@@ -102,20 +105,30 @@ impl Scanner {
     ) -> bool {
         self.across.learn(&pixels);
         self.down.learn(&pixels);
-        let (noise_q8, least) = (self.noise_q8(), self.least_difference());
-        let least_rise = ((least * RISE_Q3) >> 3).max(LEAST_RISE);
-        let least = least.max(LEAST_DIFFERENCE);
-        let least_peak = least.max((PEAK_SIGMAS_Q1 * of_noise(noise_q8)) >> 9);
+        let noise_q8 = self.noise_q8();
+        let anywhere = self.least_difference();
+        let where_quiet = (QUIET_SIGMAS * of_noise(self.across.noise_q8())) >> 8;
+        let least_peak = |least: u32| least.max(LEAST_DIFFERENCE).max((PEAK_SIGMAS_Q1 * of_noise(noise_q8)) >> 9);
+        let quiet = if where_quiet < anywhere {
+            self.quiet.begin_row();
+            Some((least_peak(where_quiet), &mut self.quiet))
+        } else {
+            None
+        };
         let mut seen = 0;
-        let look = |from, to| {
-            between(flanks, from..to, |positions| {
-                seen = fine(&pixels, positions, seen, (least as i32, least_rise as i32, noise_q8), &mut found);
-            });
+        let limits = |least: u32| {
+            (least.max(LEAST_DIFFERENCE) as i32, ((least * RISE_Q3) >> 3).max(LEAST_RISE) as i32, noise_q8)
+        };
+        let (anywhere_limits, quiet_limits) = (limits(anywhere), limits(where_quiet));
+        let look = |stretch, is_quiet| {
+            let limits = if is_quiet { quiet_limits } else { anywhere_limits };
+            between(flanks, stretch, |positions| seen = fine(&pixels, positions, seen, limits, &mut found));
         };
         if asked.is_none_or(|asked| !asked.is_empty()) {
-            coarse(&pixels, least_peak, asked, if looks_beside { &[] } else { flanks }, look);
+            let explained = if looks_beside { &[] } else { flanks };
+            coarse(&pixels, least_peak(anywhere), quiet, asked, explained, look);
         }
-        hides_edges(least)
+        hides_edges(anywhere)
     }
 
     /// How large a difference is that what is usual does not explain.

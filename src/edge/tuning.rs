@@ -52,6 +52,24 @@ pub(super) const NOISE_SIGMAS: u32 = 4;
 /// them texture hides the edges).
 pub(super) const TEXTURE_SIGMAS: u32 = 3;
 
+/// Where texture elsewhere in the row asks for more, so many sigma of noise are enough where it is quiet
+/// (`clutter::faint_bars_where_it_is_quiet` with twice as many).
+pub(super) const QUIET_SIGMAS: u32 = 6;
+
+/// It is quiet where in so many looks no more than a quarter of sixteen spans of eight pixels have differed by as much: a
+/// shorter while, or half of them, may be texture (`false_distances::of_texture` and `false_distances::of_clutter` with
+/// either).
+pub(super) const MOST_QUIET: u32 = 4;
+pub(super) const QUIET_LOOKS: u8 = 8;
+
+/// A look is taken in every so many scanned rows, since it is another scan of the row
+/// (`cargo xtask budget --use clutter`).
+pub(super) const QUIET_TURNS: u8 = 3;
+
+/// It is followed in so many groups of these spans, from the left: in the first 2048 pixels of a row, since each takes a
+/// byte of the scanner.
+pub(super) const QUIET_GROUPS: usize = 16;
+
 /// The largest difference of an edge exceeds so many halves of a sigma of noise: four sigma are exceeded by chance in
 /// every hundredth row of 160 places (`scanning::noise_is_no_edge`).
 pub(super) const PEAK_SIGMAS_Q1: u32 = 9;
