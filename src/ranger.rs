@@ -57,7 +57,7 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize, R
     frame: Frame,
 }
 
-/// For a small board: 8 lines, 16 edge points a row. 4.5 kB.
+/// For a small board: 8 lines, 16 edge points a row. 4.6 kB.
 pub type SmallRanger = Ranger<8, 8, 16>;
 
 /// For a vision board: 16 lines, 32 edge points a row. 11.4 kB.

@@ -22,9 +22,9 @@ use crate::format::Pixels;
 ///
 /// The threshold follows from the rows themselves, so neither exposure nor gain needs tuning: an edge is found where
 /// the means of two neighbouring windows of four pixels differ by more than six grey levels and by more than four sigma
-/// of what is usual in these rows, or three where that is not noise but texture; and by no more than six sigma of noise
-/// where it is quiet, whatever texture there is elsewhere. Both change down the rows as much as across them; where what
-/// is usual across does not, upright edges are usual, as in a fence.
+/// of what is usual in these rows, or three where that is not noise but texture; where it is quiet, six sigma of noise
+/// are enough, whatever texture there is elsewhere. Noise and texture change down the rows as much as across them; where
+/// what is usual across does not, upright edges are usual, as in a fence.
 ///
 /// *Limits*: edges within eight pixels of the border are not found, nor any in rows of fewer than 32 pixels; a fence
 /// whose contrast is below 40 levels may pass for texture. *Cost*: some six instructions a pixel, and fifteen more near

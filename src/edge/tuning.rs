@@ -48,8 +48,8 @@ pub(super) const MOST_HIDDEN: u32 = 64;
 pub(super) const NOISE_SIGMAS: u32 = 4;
 
 /// Where that is texture, more than twice the noise, so many do: what is usual in the whole row says little of a place,
-/// and which lines are texture is decided along them (`clutter::an_edge_fainter_than_texture_elsewhere`; with two of
-/// them texture hides the edges).
+/// and which lines are texture is decided along them (`fences::edges_of_fences_are_lines` with four; with two of them
+/// texture hides the edges).
 pub(super) const TEXTURE_SIGMAS: u32 = 3;
 
 /// Where texture elsewhere in the row asks for more, so many sigma of noise are enough where it is quiet
