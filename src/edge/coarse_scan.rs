@@ -70,7 +70,8 @@ impl Comparison {
     }
 }
 
-/// For how long it has been quiet in each group of a row's spans.
+/// For how long it has been quiet in each group of a row's spans: what differs there is an edge, though it may be less
+/// than what is usual in the whole row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Quiet {

@@ -67,7 +67,7 @@ pub(super) const QUIET_LOOKS: u8 = 8;
 pub(super) const QUIET_TURNS: u8 = 3;
 
 /// It is followed in so many groups of these spans, from the left: in the first 2048 pixels of a row, since each takes a
-/// byte of the scanner.
+/// byte of the scanner (`knots::sizes_in_memory_are_as_documented` with twice as many).
 pub(super) const QUIET_GROUPS: usize = 16;
 
 /// The largest difference of an edge exceeds so many halves of a sigma of noise: four sigma are exceeded by chance in
