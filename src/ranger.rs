@@ -330,6 +330,9 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
 
     /// The next range of those that are ready, in the order of the lines' places in the table. Ask until there is none
     /// after each row or frame: lines that nobody takes keep their places.
+    ///
+    /// *Cost*: that of [`Range::from_line`]; and, once for each line that has ended, some passes over its knots to see
+    /// where it is to be split.
     pub fn next_range<S: Scalar, M: Motion<S>>(&mut self, setup: &Setup<S>, motion: &M) -> Option<Range<S>> {
         let range = self.placed_line().map(|(_, line)| Range::from_line(setup, motion, line));
         self.leave_line();
@@ -338,12 +341,14 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
 
     /// The next line of those that are ready, for those who range it themselves.
     pub fn next_line(&mut self) -> Option<Line<KNOTS>> {
+        self.tracker.split_ended();
         self.tracker.next_line()
     }
 
     /// The line that [`next_line`](Self::next_line) would take, in its place in the table: there it needs no other
     /// room.
-    pub(crate) fn placed_line(&self) -> Option<(usize, &Line<KNOTS>)> {
+    pub(crate) fn placed_line(&mut self) -> Option<(usize, &Line<KNOTS>)> {
+        self.tracker.split_ended();
         let place = self.tracker.ended().next_back()?;
         Some((place, self.tracker.line_at(place)?))
     }

@@ -17,6 +17,8 @@ pub(super) struct Table<const LINES: usize, const KNOTS: usize> {
     /// Places of the lines under way, about from left to right, and of those that have ended.
     under_way: Vec<u16, LINES>,
     ended: Vec<u16, LINES, u16>,
+    /// So many of the latter are split into their straight parts.
+    split: u16,
     /// No place before this one is free.
     occupied: usize,
 }
@@ -65,7 +67,7 @@ impl<const KNOTS: usize> Tracks<'_, KNOTS> {
 impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     pub(super) const fn new() -> Self {
         const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
-        Self { slots: [const { Slot::Free }; LINES], under_way: Vec::new(), ended: Vec::new(), occupied: 0 }
+        Self { slots: [const { Slot::Free }; LINES], under_way: Vec::new(), ended: Vec::new(), split: 0, occupied: 0 }
     }
 
     pub(super) fn track(&self, place: u16) -> Option<&Track<KNOTS>> {
@@ -155,14 +157,14 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         self.forget(place)
     }
 
-    /// Splits the lines that have ended, from the `first` on, into their straight parts. Number of points that are stray
+    /// Splits the lines that have ended since it was asked last into their straight parts. Number of points that are stray
     /// then: those of parts that are too short, and of the shorter one of two where no place is free for it.
-    pub(super) fn split_ended(&mut self, first: usize) -> u32 {
-        let (mut index, mut strays) = (first, 0);
-        while let Some(place) = self.ended.get(index).copied() {
+    pub(super) fn split_ended(&mut self) -> u32 {
+        let mut strays = 0;
+        while let Some(place) = self.ended.get(usize::from(self.split)).copied() {
             match self.track(place).and_then(|track| track.line.cut()) {
                 Some(cut) => strays += u32::from(self.part_at(place, &cut)),
-                None => index += 1,
+                None => self.split += 1,
             }
         }
         strays
@@ -214,6 +216,7 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     /// Takes the line that has ended last.
     pub(super) fn next_line(&mut self) -> Option<Line<KNOTS>> {
         let place = self.ended.pop()?;
+        self.split = self.split.min(self.ended.len() as u16);
         self.take(place).map(|track| track.line)
     }
 
@@ -253,7 +256,7 @@ mod tests {
             assert!(track.take(point(row), &Limits::DEFAULT));
         }
         let place = table.leave_out_last().expect("the line");
-        let strays = table.finish(place) + table.split_ended(0);
+        let strays = table.finish(place) + table.split_ended();
         let parts: std::vec::Vec<u16> = core::iter::from_fn(|| table.next_line()).map(|line| line.points()).collect();
         assert_eq!(u32::from(96 + rows_after), strays + parts.iter().map(|points| u32::from(*points)).sum::<u32>());
         parts

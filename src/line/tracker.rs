@@ -227,18 +227,18 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
         self.steps = Steps::NONE;
-        let ended = self.table.ended().count();
         while let Some(place) = self.table.leave_out_last() {
             let strays = self.table.finish(place);
             self.count_stray(strays);
         }
-        self.split_ended(ended);
+        self.split_ended();
     }
 
-    /// Splits the lines that have ended, from the `first` on.
-    fn split_ended(&mut self, first: usize) {
+    /// Splits the lines that have ended into their straight parts: before they are asked for, since a row has no time for
+    /// it.
+    pub(crate) fn split_ended(&mut self) {
         if R::REPAIRS {
-            let strays = self.table.split_ended(first);
+            let strays = self.table.split_ended();
             self.count_stray(strays);
         }
     }
@@ -389,7 +389,6 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others
     /// broke off.
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
-        let ended = self.table.ended().count();
         let (mut index, mut has_young) = (0, false);
         let is_dark = R::REPAIRS && self.is_dark(row);
         while let Some(place) = self.table.under_way().get(index).copied() {
@@ -404,9 +403,6 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
                 }
             }
             index += 1;
-        }
-        if self.table.ended().count() > ended {
-            self.split_ended(ended);
         }
         has_young
     }
