@@ -52,7 +52,7 @@ fn csv_path() -> PathBuf {
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if arguments.search {
-        return worst::search(&Firmware::build(Board::M4F, BackEnd::F32, Opt::Speed, &["rows"])?);
+        return worst::search(&Firmware::build(Board::M4F, Some(BackEnd::F32), Opt::Speed, &["rows"])?);
     }
     if let Some(name) = arguments.of.iter().find(|name| !USES.iter().any(|of| of.is_named(name))) {
         let names: Vec<_> = USES.iter().map(|of| of.name).collect();
@@ -104,7 +104,7 @@ fn measure(arguments: &Arguments, board: Board, backend: BackEnd, opt: Opt) -> R
         return Ok(Vec::new());
     }
     let programs: BTreeSet<_> = uses.iter().map(|of| of.program()).collect();
-    let firmware = Firmware::build(board, backend, opt, &programs.into_iter().collect::<Vec<_>>())?;
+    let firmware = Firmware::build(board, Some(backend), opt, &programs.into_iter().collect::<Vec<_>>())?;
     let mut figures = Vec::new();
     for of in uses {
         for (quantity, value) in of.measure(&firmware)? {

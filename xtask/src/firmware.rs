@@ -22,10 +22,10 @@ const OF_DOUBLES: [&str; 8] =
 /// Of lenses with distortion.
 const OF_LENSES: [&str; 1] = ["undistort"];
 
-/// The programs of `xtask/firmware`, linked for a board, a back end and an optimisation.
+/// The programs of `xtask/firmware`, linked for a board, a back end or all of them, and an optimisation.
 pub(crate) struct Firmware {
     board: Board,
-    backend: BackEnd,
+    backend: Option<BackEnd>,
     programs: PathBuf,
 }
 
@@ -42,13 +42,13 @@ pub(crate) fn root() -> PathBuf {
 }
 
 impl Firmware {
-    /// Builds these programs.
-    pub(crate) fn build(board: Board, backend: BackEnd, opt: Opt, programs: &[&str]) -> Result<Self> {
+    /// Builds these programs, for all back ends where none is given.
+    pub(crate) fn build(board: Board, backend: Option<BackEnd>, opt: Opt, programs: &[&str]) -> Result<Self> {
         let root = root();
         let directory = root.join("target/bare").join(board.cpu().unwrap_or_default());
         let mut cargo = Command::new(root.join(".ci/bare"));
         cargo.args(["build", "--quiet", "--release", "--locked", "--manifest-path", "xtask/firmware/Cargo.toml"]);
-        let mut features = backend.to_string();
+        let mut features = backend.map_or_else(|| "all".into(), |backend| backend.to_string());
         if let Some(map) = board.map() {
             // Where memory is short, a fault is to be a message.
             cargo.env("MEMORY_MAP", map);
@@ -65,7 +65,7 @@ impl Firmware {
         }
         cargo.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", opt.to_string()).current_dir(&root);
         let status = cargo.status().context(".ci/bare")?;
-        ensure!(status.success(), "the firmware for {board} with {backend} does not build");
+        ensure!(status.success(), "the firmware for {board} with {features} does not build");
         Ok(Self { board, backend, programs: directory.join(board.target()).join("release") })
     }
 
@@ -120,9 +120,9 @@ impl Firmware {
     /// single precision and any floating point in fixed point, and what only a lens with distortion needs.
     pub(crate) fn ensure_nothing_foreign(&self, program: &str) -> Result<()> {
         let foreign: &[&[&str]] = match self.backend {
-            BackEnd::F32 | BackEnd::Micro => &[&OF_DOUBLES, &OF_LENSES],
-            BackEnd::Fixed => &[&OF_SINGLES, &OF_DOUBLES, &OF_LENSES],
-            BackEnd::F64 => &[&OF_LENSES],
+            Some(BackEnd::F32 | BackEnd::Micro) => &[&OF_DOUBLES, &OF_LENSES],
+            Some(BackEnd::Fixed) => &[&OF_SINGLES, &OF_DOUBLES, &OF_LENSES],
+            Some(BackEnd::F64) | None => &[&OF_LENSES],
         };
         let path = self.program(program);
         let data = fs::read(&path).with_context(|| path.display().to_string())?;
@@ -130,7 +130,7 @@ impl Firmware {
         let mut names = elf.symbols().filter_map(|symbol| symbol.name().ok()).peekable();
         ensure!(names.peek().is_some(), "{}: no symbols to check", path.display());
         let found = names.find(|name| foreign.iter().flat_map(|of| of.iter()).any(|routine| name.contains(routine)));
-        ensure!(found.is_none(), "{program} in {} holds {}", self.backend, found.unwrap_or_default());
+        ensure!(found.is_none(), "{program} for {:?} holds {}", self.backend, found.unwrap_or_default());
         Ok(())
     }
 

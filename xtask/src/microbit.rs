@@ -32,7 +32,7 @@ pub(crate) fn run() -> Result<()> {
 
 fn check(limits: &Limits) -> Result<()> {
     let &Limits { program, backend, opt, flash, ram } = limits;
-    let firmware = Firmware::build(Board::Microbit, backend, opt, &[program])?;
+    let firmware = Firmware::build(Board::Microbit, Some(backend), opt, &[program])?;
     let frames = scenes::frames("two bars")?.context("the scene")?;
     let mut job = Job::default();
     job.push(frames.first().context("a frame")?);

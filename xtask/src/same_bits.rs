@@ -33,16 +33,19 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let chosen = |board: &&Board| !arguments.desktop && (arguments.board.is_empty() || arguments.board.contains(board));
     let job = job()?;
+    let boards: Vec<_> = Board::value_variants().iter().filter(chosen).collect();
+    let on_boards: Vec<_> = boards.iter().map(|board| on_board(**board, &job)).collect::<Result<_>>()?;
     let mut differing = 0;
     for backend in BackEnd::value_variants() {
         if !arguments.backend.is_empty() && !arguments.backend.contains(backend) {
             continue;
         }
-        let desktop = on_desktop(*backend, &job);
-        println!("{backend:5} desktop {desktop:016x?}");
-        for board in Board::value_variants().iter().filter(chosen) {
-            let digests = on_board(*board, *backend, &job)?;
-            let same = desktop.map(|digest| format!("{digest:016x}")).into_iter().eq(digests.iter().cloned());
+        let desktop = on_desktop(*backend, &job).map(|digest| format!("{digest:016x}"));
+        println!("{backend:5} desktop {}", desktop.join(" "));
+        for (board, told) in boards.iter().zip(&on_boards) {
+            let of_backend = told.iter().filter(|words| words.first() == Some(&backend.to_string()));
+            let digests: Vec<_> = of_backend.filter_map(|words| words.get(1).cloned()).collect();
+            let same = desktop.as_slice() == digests;
             println!("{backend:5} {board:7} {}", if same { "the same".into() } else { digests.join(" ") });
             differing += u8::from(!same);
         }
@@ -61,10 +64,9 @@ fn on_desktop(backend: BackEnd, job: &Job) -> [u64; PARTS.len()] {
     }
 }
 
-fn on_board(board: Board, backend: BackEnd, job: &Job) -> Result<Vec<String>> {
-    let firmware = Firmware::build(board, backend, Opt::Speed, &["same_bits"])?;
-    let told = firmware.run("same_bits", job)?;
-    Ok(told.into_iter().filter_map(|words| words.into_iter().next()).collect())
+/// Digests, each after its back end.
+fn on_board(board: Board, job: &Job) -> Result<Vec<Vec<String>>> {
+    Firmware::build(board, None, Opt::Speed, &["same_bits"])?.run("same_bits", job)
 }
 
 #[derive(Deserialize)]
