@@ -9,6 +9,8 @@ mod root;
 mod scanned_point;
 mod step_sums;
 mod staircase;
+mod comparison;
+mod quiet;
 mod coarse_scan;
 mod fine_scan;
 mod scan;

@@ -7,9 +7,10 @@
 
 use core::ops::Range;
 
-use super::coarse_scan::{Quiet, coarse};
+use super::coarse_scan::coarse;
 use super::fine_scan::fine;
 use super::noise::{Across, Down, WINDOW};
+use super::quiet::Quiet;
 use super::scanned_point::ScannedPoint;
 use super::tuning::{
     LEAST_DIFFERENCE, LEAST_NOISE_Q8, LEAST_RISE, MOST_HIDDEN, NOISE_SIGMAS, PEAK_SIGMAS_Q1, QUIET_SIGMAS, RISE_Q3,
@@ -109,7 +110,8 @@ impl Scanner {
         let anywhere = self.least_difference();
         let where_quiet = (QUIET_SIGMAS * of_noise(self.across.noise_q8())) >> 8;
         let least_peak = |least: u32| least.max(LEAST_DIFFERENCE).max((PEAK_SIGMAS_Q1 * of_noise(noise_q8)) >> 9);
-        let quiet = if where_quiet < anywhere {
+        // Where neither is above the least difference, they are the same.
+        let quiet = if where_quiet.max(LEAST_DIFFERENCE) < anywhere {
             self.quiet.begin_row();
             Some((least_peak(where_quiet), &mut self.quiet))
         } else {
