@@ -186,6 +186,20 @@ fn fast_light_moves_no_edge() {
     }
 }
 
+/// Short pulses, of which an exposure sees two or three, show each edge as often, side by side and of one polarity, as the
+/// bars of a fence are not: of twelve frames at least half are found torn.
+#[test]
+fn images_of_several_pulses_are_no_fence() {
+    let (mut torn, mut frames) = (0, 0);
+    for duty in [0.05, 0.1] {
+        for passing in [-2.5, 2.5].into_iter().flat_map(|speed| passing(speed, 0.016, 160.0, duty)) {
+            torn += usize::from(passing.told_of(&passing.frame(), &passing.setup(tilt_of(TENTH_DEGREE))).is_torn);
+            frames += 1;
+        }
+    }
+    assert!(torn * 2 >= frames, "{torn} of {frames}");
+}
+
 /// Of frames in light of one frequency: how many there are and how many are found torn; how many edges are `ok`, and
 /// how many of those are not within three sigma; how many are `far`, and how many of those are not.
 #[derive(Clone, Copy, Default)]

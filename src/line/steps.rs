@@ -88,22 +88,26 @@ fn goes_on<const KNOTS: usize>(track: &Track<KNOTS>, row: u16) -> bool {
 }
 
 /// Whether what begins beside a line may be another bar of a fence: there is one more line that goes on, no more than
-/// twice as far away.
+/// twice as far away, and an edge of the other polarity between the two, where steps of one edge have none.
 fn is_of_fence<'t, const KNOTS: usize>(
-    mut tracks: impl Iterator<Item = &'t Track<KNOTS>>,
+    mut tracks: impl Iterator<Item = &'t Track<KNOTS>> + Clone,
     line: &Track<KNOTS>,
     young: &Track<KNOTS>,
     row: u16,
 ) -> bool {
-    let (own_q16, near_q16) = (line.column_only(row).column_q16, aside_q16(line, young, row).unsigned_abs());
-    let is_alike = |other: &Track<KNOTS>| {
-        other.state != State::Tentative && other.line.last().polarity == young.line.last().polarity
-    };
-    tracks.any(|other| {
+    let (own_q16, young_q16) = (line.column_only(row).column_q16, young.filter.column_q16);
+    let near_q16 = own_q16.abs_diff(young_q16);
+    let is_like = |other: &Track<KNOTS>| other.line.last().polarity == young.line.last().polarity;
+    let is_between = |other: &Track<KNOTS>| {
         let other_q16 = other.column_only(row).column_q16;
-        let is_third = other_q16 != own_q16 && other_q16 != young.filter.column_q16;
-        is_third && is_alike(other) && goes_on(other, row) && other_q16.abs_diff(own_q16) / 2 <= near_q16
-    })
+        !is_like(other) && other_q16.abs_diff(own_q16).max(other_q16.abs_diff(young_q16)) < near_q16
+    };
+    tracks.clone().any(is_between)
+        && tracks.any(|other| {
+            let other_q16 = other.column_only(row).column_q16;
+            let is_third = other_q16 != own_q16 && other_q16 != young_q16 && other.state != State::Tentative;
+            is_third && is_like(other) && goes_on(other, row) && other_q16.abs_diff(own_q16) / 2 <= near_q16
+        })
 }
 
 /// How far beside an older line a young one is, in 1/65536 px.
