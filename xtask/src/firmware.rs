@@ -41,6 +41,11 @@ pub(crate) fn root() -> PathBuf {
     root
 }
 
+/// The feature that chooses a back end, or all of them.
+fn feature(backend: Option<BackEnd>) -> String {
+    backend.map_or_else(|| "all".into(), |backend| backend.to_string())
+}
+
 impl Firmware {
     /// Builds these programs, for all back ends where none is given.
     pub(crate) fn build(board: Board, backend: Option<BackEnd>, opt: Opt, programs: &[&str]) -> Result<Self> {
@@ -48,7 +53,7 @@ impl Firmware {
         let directory = root.join("target/bare").join(board.cpu().unwrap_or_default());
         let mut cargo = Command::new(root.join(".ci/bare"));
         cargo.args(["build", "--quiet", "--release", "--locked", "--manifest-path", "xtask/firmware/Cargo.toml"]);
-        let mut features = backend.map_or_else(|| "all".into(), |backend| backend.to_string());
+        let mut features = feature(backend);
         if let Some(map) = board.map() {
             // Where memory is short, a fault is to be a message.
             cargo.env("MEMORY_MAP", map);
@@ -130,7 +135,7 @@ impl Firmware {
         let mut names = elf.symbols().filter_map(|symbol| symbol.name().ok()).peekable();
         ensure!(names.peek().is_some(), "{}: no symbols to check", path.display());
         let found = names.find(|name| foreign.iter().flat_map(|of| of.iter()).any(|routine| name.contains(routine)));
-        ensure!(found.is_none(), "{program} for {:?} holds {}", self.backend, found.unwrap_or_default());
+        ensure!(found.is_none(), "{program} in {} holds {}", feature(self.backend), found.unwrap_or_default());
         Ok(())
     }
 
