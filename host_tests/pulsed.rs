@@ -252,8 +252,8 @@ fn tallies(every: usize) -> Vec<(f64, Tally)> {
     FREQUENCIES_HZ.map(of_frequency).into()
 }
 
-/// Two of three frames at 50 to 120 Hz are found torn before the pieces of their edges are told: of what is told at all
-/// frequencies one in six is not so.
+/// Two of three frames at 50 to 120 Hz are found torn before the pieces of their edges are told, and pieces that stand still
+/// are bent: of what is told at all frequencies one in ten is not so, and one in twenty-five is nearer than told.
 fn assert_noticed(every: usize) {
     let tallies = tallies(every);
     println!("   Hz frames torn  ok wrong  far wrong");
@@ -262,7 +262,9 @@ fn assert_noticed(every: usize) {
     }
     let sum = |of: fn(&Tally) -> usize| -> usize { tallies.iter().map(|(_, tally)| of(tally)).sum() };
     let (wrong, told) = (sum(Tally::wrong), sum(|tally| tally.ok[0] + tally.far[0]));
-    assert!(6 * wrong <= told, "{wrong} of {told}");
+    let too_far = sum(|tally| tally.far[1]);
+    println!("{wrong} of {told}, {too_far} too far");
+    assert!(10 * wrong <= told && 25 * too_far <= told, "{wrong} of {told}, {too_far} too far");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator, Texture};
-use shutter_range::{Ranger, RowError, Setup, Uncertainty};
+use shutter_range::{Range, RangeStatus, Ranger, RowError, Setup, Uncertainty};
 
 use crate::projection;
 use crate::rendered::{COLUMNS, ROWS, TOP, moving, render};
@@ -142,9 +142,13 @@ impl Steady {
         })
     }
 
-    /// The row at which the frame is found torn.
-    fn torn_at(&self) -> Option<u16> {
-        let setup: Setup<f32> = self.world.setup_read(Uncertainty::NONE, TOP);
+    fn setup(&self) -> Setup<f32> {
+        self.world.setup_read(Uncertainty::NONE, TOP)
+    }
+
+    /// Shows a ranger the frame, up to the row at which it is found torn.
+    fn torn_at(&self, ranger: &mut Ranger<64, 16, 64>) -> Option<u16> {
+        let setup = self.setup();
         let motion = self.world.motion();
         // Only where the lamp flickers, parts of the exposure differ.
         let parts: u8 = if self.mains.is_some() { 8 } else { 1 };
@@ -153,7 +157,6 @@ impl Steady {
         let simulator = Simulator::new(&self.scene, setup.camera(), setup.readout(), &motion, exposure, self.seed)
             .expect("sound parameters");
         let mut random = StdRng::seed_from_u64(self.seed);
-        let mut ranger = Ranger::<64, 16, 64>::new();
         (0..ROWS).find(|&row| {
             let mut light = [0.0; COLUMNS as usize];
             for part in 0..parts {
@@ -171,11 +174,19 @@ impl Steady {
             matches!(ranger.row(&setup, row, &pixels), Err(RowError::Jump { .. }))
         })
     }
+
+    fn ranges(&self) -> Vec<Range<f32>> {
+        let mut ranger = Ranger::new();
+        assert_eq!(self.torn_at(&mut ranger), None);
+        ranger.end_frame(&self.setup());
+        ranger.ranges(&self.setup(), &self.world.motion())
+    }
 }
 
 /// How many of so many frames of each kind are found torn.
 fn torn(frames: u64) -> Vec<(Down, usize)> {
-    let of_kind = |down| (0..frames).filter_map(move |seed| Steady::at_random(down, seed).torn_at()).count();
+    let of_kind =
+        |down| (0..frames).filter_map(move |seed| Steady::at_random(down, seed).torn_at(&mut Ranger::new())).count();
     ALL.into_iter().map(|down| (down, of_kind(down))).collect()
 }
 
@@ -191,6 +202,38 @@ fn ten_thousand_frames_are_not_torn() {
     let torn = torn(1112);
     println!("{torn:?}");
     assert!(torn.iter().all(|(_, frames)| *frames == 0), "{torn:?}");
+}
+
+/// The statuses of a house far away down to a row, behind some posts that are near, where the light is as bright in each row.
+fn far_house(bottom_row: u16, posts: u8, shares: impl Fn(u16) -> f64) -> Vec<RangeStatus> {
+    const HOUSE_M: f32 = 10_000.0;
+    let world = moving(1.5);
+    let bottom = ((f64::from(bottom_row) - world.cy) / world.focal_px) as f32;
+    let mut scene = Scene::new(Background::plain(180.0)).expect("a sound background");
+    let house = Bar::upright(0.0, HOUSE_M, 0.1 * HOUSE_M, 60.0);
+    scene.push(house.between(-HOUSE_M, bottom * HOUSE_M)).expect("a sound house");
+    for post in 0..posts {
+        scene.push(Bar::upright(-0.4 + 0.08 * f32::from(post), 1.5, 0.05, 30.0)).expect("a sound post");
+    }
+    let shares = (0..ROWS).map(shares).collect();
+    let ranges = Steady { scene, world, exposure_s: 0.004, shares, mains: None, seed: 1 }.ranges();
+    let is_of_house = |range: &&Range<f32>| range.estimate.bearing > -0.06;
+    ranges.iter().filter(is_of_house).map(|range| range.status).collect()
+}
+
+/// Rows without light above and below are the frame's border, an edge that goes on where the light changes is whole, and what ends
+/// where other edges go on ends there: none of them is a piece of an edge in pulsed light.
+#[test]
+fn what_stands_still_in_steady_light_is_far() {
+    let far = [RangeStatus::Far; 2];
+    let border = |row: u16| if (30..210).contains(&row) { 1.0 } else { 0.0 };
+    let shadow = |row: u16| if (100..130).contains(&row) { 0.4 } else { 1.0 };
+    let ground = |row: u16| if row < 150 { 1.0 } else { 0.5 };
+    assert_eq!(far_house(ROWS, 0, |_| 1.0), far);
+    assert_eq!(far_house(ROWS, 0, border), far);
+    assert_eq!(far_house(ROWS, 0, shadow), far);
+    assert_eq!(far_house(150, 4, ground), far);
+    assert_eq!(far_house(150, 1, ground), [RangeStatus::Bent; 2], "half of the edges end with the light");
 }
 
 /// A post whose two edges end at one row, with nothing below it, is told there, and not only at the end of the frame.

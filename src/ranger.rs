@@ -179,7 +179,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let at = RowTime { row, time_ns: setup.readout().row_time_ns(row), looks_for_halo };
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
-        tracker.see_light(row, &pixels);
+        tracker.see_light(row, &pixels, || self.scanner.noise_q8());
         let pixel_row = PixelRow { pixels, response: setup.response() };
         let mut candidates = Candidates::new();
         let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates);
@@ -237,7 +237,7 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let time_ns = setup.readout().row_time_ns(row);
         let (points, tracker) = (&mut self.row, &mut self.tracker);
         let dropped_points = tracker.counters().dropped_points;
-        tracker.see_light(row, &pixels);
+        tracker.see_light(row, &pixels, || self.scanner.noise_q8());
         let is_blinded = self.scanner.scan_where(pixels, None, &[], true, |point| {
             tracker.count_points(1);
             if points.push(point.at(row, time_ns)).is_err() {

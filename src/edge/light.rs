@@ -1,7 +1,7 @@
 //! [`Light`]: whether the light of a frame's rows changes, all over them.
 
 use super::pixel_row::grey;
-use super::tuning::{LEAST_LIGHT, LIGHT_CHANGE, LIGHT_COLUMNS, LIGHT_ROWS};
+use super::tuning::{LEAST_LIGHT, LIGHT_CHANGE, LIGHT_COLUMNS, LIGHT_ROWS, LIGHT_SIGMAS};
 use crate::format::Pixels;
 
 /// The light of a frame's rows. Where all columns become brighter or darker by one and the same factor, it is the light
@@ -19,15 +19,22 @@ pub(crate) struct Light {
     /// Sum of the levels of the brightest row.
     brightest: u16,
     is_dark: bool,
+    has_changed: bool,
 }
 
 impl Light {
     /// Before a frame.
-    pub(crate) const UNSEEN: Self = Self { levels: [0; LIGHT_COLUMNS], changed_row: 0, brightest: 0, is_dark: false };
+    pub(crate) const UNSEEN: Self =
+        Self { levels: [0; LIGHT_COLUMNS], changed_row: 0, brightest: 0, is_dark: false, has_changed: false };
 
     /// The row in which it has changed last.
     pub(crate) const fn changed_row(&self) -> u16 {
         self.changed_row
+    }
+
+    /// Whether it has changed since it came: a frame may begin with rows of its border.
+    pub(crate) const fn has_changed(&self) -> bool {
+        self.has_changed
     }
 
     /// Whether less of it is left than a change of where it was brightest.
@@ -35,8 +42,8 @@ impl Light {
         self.is_dark
     }
 
-    /// Takes the next row of a frame.
-    pub(crate) fn take(&mut self, row: u16, pixels: &impl Pixels) {
+    /// Takes the next row of a frame, whose pixels have so much noise.
+    pub(crate) fn take(&mut self, row: u16, pixels: &impl Pixels, noise_q8: impl FnOnce() -> u32) {
         // Of a mosaic, whose two kinds of rows differ, only one.
         if !row.is_multiple_of(LIGHT_ROWS) {
             return;
@@ -44,13 +51,18 @@ impl Light {
         let levels = levels(pixels);
         let [before, now]: [u16; 2] =
             [&self.levels, &levels].map(|levels| levels.iter().map(|level| u16::from(*level)).sum());
+        let has_come = before == 0 || now / LIGHT_CHANGE > self.brightest;
         self.brightest = now.max(self.brightest);
         self.is_dark = now < self.brightest / LIGHT_CHANGE;
-        if u16::abs_diff(now, before) < (before / LIGHT_CHANGE).max(LEAST_LIGHT * LIGHT_COLUMNS as u16) {
+        let change = now.abs_diff(before);
+        if change < (before / LIGHT_CHANGE).max(LEAST_LIGHT * LIGHT_COLUMNS as u16)
+            || u32::from(change) < (LIGHT_SIGMAS * noise_q8()) >> 8
+        {
             return;
         }
         if self.changes_alike(&levels, before.into(), now.into()) {
             self.changed_row = row;
+            self.has_changed |= !has_come;
         }
         self.levels = levels;
     }
@@ -86,7 +98,13 @@ fn levels(pixels: &impl Pixels) -> [u8; LIGHT_COLUMNS] {
 mod tests {
     use std::vec::Vec;
 
+    use rand::rngs::StdRng;
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+
     use super::Light;
+
+    const NOISE_Q8: u32 = 1 << 8;
 
     /// Rows of black and white bars that are so bright, in per cent, in which the light changes, and which are dark.
     fn seen(percents: impl IntoIterator<Item = u32>) -> (Vec<u16>, Vec<u16>) {
@@ -95,7 +113,7 @@ mod tests {
         for (row, percent) in (0..).zip(percents) {
             let level = |column: usize| if (column / 30).is_multiple_of(3) { 40 } else { 200 };
             let pixels: [u8; 320] = core::array::from_fn(|column| (level(column) * percent / 100) as u8);
-            light.take(row, &&pixels);
+            light.take(row, &&pixels, || NOISE_Q8);
             changed.push(light.changed_row());
             dark.extend(light.is_dark().then_some(row));
         }
@@ -122,6 +140,35 @@ mod tests {
         assert_eq!(dark(10), Vec::from_iter(10..20));
     }
 
+    /// What a frame begins with may be its border.
+    #[test]
+    fn it_comes_before_it_changes() {
+        let has_changed = |percents: [u32; 4]| {
+            let mut light = Light::UNSEEN;
+            (0..40).for_each(|row| light.take(row, &&[2 * percents[usize::from(row / 10)] as u8; 320], || NOISE_Q8));
+            light.has_changed()
+        };
+        assert!(!has_changed([100, 100, 100, 100]));
+        assert!(!has_changed([1, 1, 100, 100]), "it comes");
+        assert!(has_changed([100, 100, 50, 50]) && has_changed([100, 100, 1, 1]) && has_changed([1, 100, 1, 100]));
+        assert!(has_changed([30, 30, 100, 100]));
+    }
+
+    /// Nothing but noise in the dark.
+    #[test]
+    fn noise_is_no_light() {
+        let mut random = StdRng::seed_from_u64(1);
+        for noise in [1.0, 4.0, 8.0] {
+            let mut light = Light::UNSEEN;
+            for row in 0..2000 {
+                let mut pixel = || (20.0 + noise * random.sample::<f64, _>(StandardNormal)).round() as u8;
+                let pixels: [u8; 320] = core::array::from_fn(|_| pixel());
+                light.take(row, &&pixels, || (256.0 * noise) as u32);
+            }
+            assert!(!light.has_changed(), "noise {noise}, row {}", light.changed_row());
+        }
+    }
+
     /// Half of the columns fall where those beside them rise more.
     #[test]
     fn what_stands_there_is_no_light() {
@@ -129,7 +176,7 @@ mod tests {
         let bright: [u8; 320] = core::array::from_fn(|column| if column % 80 < 40 { 100 } else { 50 });
         let other: [u8; 320] = core::array::from_fn(|column| if column % 80 < 40 { 70 } else { 250 });
         for row in 0..20 {
-            light.take(row, &if row < 10 { &bright } else { &other });
+            light.take(row, &if row < 10 { &bright } else { &other }, || NOISE_Q8);
         }
         assert_eq!(light.changed_row(), 0);
     }

@@ -18,6 +18,10 @@ pub(super) const LIGHT_ROWS: u16 = 2;
 pub(super) const LIGHT_CHANGE: u16 = 8;
 pub(super) const LEAST_LIGHT: u16 = 4;
 
+/// And by so many sigmas of a pixel: by five of the difference of two sums of eight
+/// (`edge::light::tests::noise_is_no_light` with half as many).
+pub(super) const LIGHT_SIGMAS: u32 = 20;
+
 /// Once in so many rows, since each comparison costs some two hundred instructions a column
 /// (`scanning::fences_are_edges`).
 pub(super) const DOWN_ROWS: u8 = 32;

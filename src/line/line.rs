@@ -44,6 +44,11 @@ pub struct Line<const KNOTS: usize> {
     /// It has been beside texture: its points are stated to be as noisy as they scatter.
     // Here, where it takes no room.
     pub(super) is_beside_texture: bool,
+    /// It begins where the light of the rows has changed.
+    pub(super) begins_with_light: bool,
+    /// The row in which it was last seen before the light of the rows changed: where that is its last one, it has broken off
+    /// with the light.
+    pub(super) left_by_light: Option<u16>,
     /// While it is under way: how far away an edge without a line is on either side.
     pub(super) untracked: Untracked,
     /// Rows per knot: 2 to this power.
@@ -65,6 +70,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
             prominence: Prominence::default(),
             of_pixels: false,
             is_beside_texture: false,
+            begins_with_light: false,
+            left_by_light: None,
             untracked: Untracked::NONE,
             span_log2: 0,
         };
@@ -182,6 +189,12 @@ impl<const KNOTS: usize> Line<KNOTS> {
 
     pub(crate) const fn is_of_pixels(&self) -> bool {
         self.of_pixels
+    }
+
+    /// Whether it begins or breaks off where the light of the rows changes: it may be a piece of an edge in pulsed light, all
+    /// rows of which have seen it at the same time.
+    pub(crate) fn is_cut_by_light(&self) -> bool {
+        self.begins_with_light || self.left_by_light == Some(self.last.row)
     }
 
     /// Whether it stands out of what is around it by so many times what excludes chance; so does a line of points that

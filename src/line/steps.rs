@@ -1,7 +1,8 @@
-//! [`Steps`]: whether edges go on a step aside wherever the light changes: then it is pulsed.
+//! [`Steps`]: whether edges go on a step aside wherever the light changes, since then it is pulsed; and which lines begin or end
+//! there.
 
 use super::track::{State, Track};
-use super::tuning::{LEAST_STEP_Q16, LEAST_STEPS, MOST_PULSE_Q16, STEP_ROWS, YOUNG_POINTS};
+use super::tuning::{CUT_SHARE, LEAST_STEP_Q16, LEAST_STEPS, MOST_PULSE_Q16, STEP_ROWS, YOUNG_POINTS};
 use crate::edge::Light;
 use crate::format::Pixels;
 
@@ -18,15 +19,55 @@ pub(super) struct Steps {
     /// Lines that begin a step to the right of another one, or to the left, less those that begin elsewhere.
     right: i8,
     left: i8,
+    /// Of the frame, so far.
+    rows: u16,
 }
 
 impl Steps {
     /// Before a frame.
-    pub(super) const NONE: Self = Self { light: Light::UNSEEN, right: 0, left: 0 };
+    pub(super) const NONE: Self = Self { light: Light::UNSEEN, right: 0, left: 0, rows: 0 };
 
     /// Takes the light of the next row of a frame.
-    pub(super) fn see(&mut self, row: u16, pixels: &impl Pixels) {
-        self.light.take(row, pixels);
+    pub(super) fn see(&mut self, row: u16, pixels: &impl Pixels, noise_q8: impl FnOnce() -> u32) {
+        self.rows = self.rows.saturating_add(1);
+        self.light.take(row, pixels, noise_q8);
+    }
+
+    /// Whether lines that begin or break off near the last change of the light may do so because of it: where nearly all go on,
+    /// the light is steady.
+    pub(super) fn cut_lines<'t, const KNOTS: usize>(
+        &self,
+        tracks: impl Iterator<Item = &'t Track<KNOTS>>,
+        row: u16,
+    ) -> bool {
+        if !self.light.has_changed() {
+            return false;
+        }
+        let (mut cut, mut going_on) = (0_u16, 0_u16);
+        for track in tracks.filter(|track| track.state != State::Tentative) {
+            if self.is_with_light(track.line.first().row, row) || self.has_broken_off(track, row) {
+                cut += 1;
+            } else if goes_on(track, row) {
+                going_on += 1;
+            }
+        }
+        CUT_SHARE * cut >= going_on
+    }
+
+    /// Whether the light has cut the beginning of a line that `row` has made old enough to tell where that is.
+    pub(super) fn has_begun<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
+        is_asked(track, row) && self.is_with_light(track.line.first().row, row)
+    }
+
+    /// Whether the light has cut the end of a line that has not been seen for some rows.
+    pub(super) fn has_broken_off<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
+        !goes_on(track, row) && self.is_with_light(track.line.last().row, row)
+    }
+
+    /// Whether the light has changed near an end of a line, and the frame did not begin there.
+    fn is_with_light(&self, end_row: u16, row: u16) -> bool {
+        let rows_before = self.rows.saturating_sub(row.abs_diff(end_row));
+        rows_before > YOUNG_POINTS && end_row.abs_diff(self.light.changed_row()) <= YOUNG_POINTS
     }
 
     /// Whether the light has gone, and edges with it.

@@ -48,10 +48,10 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         Self { table: Table::new(), counters: Counters::ZERO, steps: Steps::NONE, repair: PhantomData }
     }
 
-    /// Takes the light of the next row of pixels.
-    pub(crate) fn see_light(&mut self, row: u16, pixels: &impl Pixels) {
+    /// Takes the light of the next row of pixels, which have so much noise.
+    pub(crate) fn see_light(&mut self, row: u16, pixels: &impl Pixels, noise_q8: impl FnOnce() -> u32) {
         if R::REPAIRS {
-            self.steps.see(row, pixels);
+            self.steps.see(row, pixels, noise_q8);
         }
     }
 
@@ -106,6 +106,11 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
             return None;
         }
         self.steps.count(self.table.tracks_under_way(), row);
+        if self.steps.cut_lines(self.table.tracks_under_way(), row) {
+            for young in self.table.tracks_mut().filter(|track| self.steps.has_begun(track, row)) {
+                young.line.begins_with_light = true;
+            }
+        }
         let jump = self.jump(columns, row).or_else(|| self.steps.are_of_pulses().then_some(row));
         stitch_all(&mut self.table, limits, row);
         jump
@@ -226,8 +231,13 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
 
     /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
+        // What is dark to the end may be the frame's border.
+        let is_dark = self.steps.is_dark();
         self.steps = Steps::NONE;
         while let Some(place) = self.table.leave_out_last() {
+            if is_dark && let Some(track) = self.table.track_mut(place) {
+                track.line.left_by_light = None;
+            }
             let strays = self.table.finish(place);
             self.count_stray(strays);
         }
@@ -381,6 +391,15 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         }
     }
 
+    /// Marks the lines that have broken off with the light.
+    fn mark_broken_off(&mut self, row: u16) {
+        if self.steps.cut_lines(self.table.tracks_under_way(), row) {
+            for old in self.table.tracks_mut().filter(|track| self.steps.has_broken_off(track, row)) {
+                old.line.left_by_light = Some(old.line.last().row);
+            }
+        }
+    }
+
     /// Whether a row shows no line because the light has gone: confirmed ones wait for it, however long it takes.
     fn is_dark(&self, row: u16) -> bool {
         self.steps.is_dark() && self.table.tracks_under_way().all(|track| track.line.last().row != row)
@@ -391,6 +410,9 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
         let (mut index, mut has_young) = (0, false);
         let is_dark = R::REPAIRS && self.is_dark(row);
+        if R::REPAIRS {
+            self.mark_broken_off(row);
+        }
         while let Some(place) = self.table.under_way().get(index).copied() {
             if let Some(track) = self.table.track_mut(place) {
                 if track.line.last().row == row {

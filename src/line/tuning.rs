@@ -149,6 +149,10 @@ pub(super) const MOST_CHANCE_Q32: u64 = (1 << 32) / 100_000;
 /// line that begins needs to tell where (`pulsed::pulsed_light_of_every_kind` with half as many).
 pub(super) const STEP_ROWS: u16 = 24;
 
+/// Light that cuts lines lets no more than so many times as many go on (`pulsed::pulsed_light_is_noticed` with one,
+/// `steady_light::what_stands_still_in_steady_light_is_far` with five).
+pub(super) const CUT_SHARE: u16 = 3;
+
 /// Less than this is no step, in 1/65536 px: lines that break off in the dark go on in their place to half a pixel
 /// (`pulsed::pulsed_light_is_noticed` with twice as much).
 pub(super) const LEAST_STEP_Q16: i64 = 3 << 14;

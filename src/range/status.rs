@@ -28,7 +28,8 @@ pub enum RangeStatus {
     Tentative,
     /// No straight edge fits: a part departs by more than
     /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the
-    /// frame. Of a [strict](crate::Range::strict) range: its points scatter more than stated.
+    /// frame. So is what stands still from where the light of the rows changes, or up to there: in pulsed light a piece of
+    /// an edge does, however near it is. Of a [strict](crate::Range::strict) range: its points scatter more than stated.
     Bent,
     /// So much texture around it, or so few rows that scatter so much, that this line may be one by chance.
     Cluttered,
@@ -51,6 +52,8 @@ pub(crate) enum Objection {
     Clutter,
     /// The blur contradicts the slope.
     Blur,
+    /// It begins or breaks off where the light changes.
+    Light,
     /// The fit itself tells a lean that the prior excludes.
     FittedLean,
     Motion,
@@ -80,6 +83,8 @@ impl RangeStatus {
     pub(crate) fn unless(self, objection: Objection, holds: bool) -> Self {
         let is_sound = match objection {
             Objection::FittedLean => matches!(self, Self::Ok | Self::Far),
+            // A piece of an edge in pulsed light stands still.
+            Objection::Light => self == Self::Far,
             // What moves may look as if it leaned.
             Objection::Motion => matches!(self, Self::Ok | Self::Leaning),
             Objection::FewFrames => matches!(self, Self::Ok | Self::Inconsistent),
@@ -91,6 +96,7 @@ impl RangeStatus {
         match objection {
             Objection::FittedLean | Objection::Blur => Self::Leaning,
             Objection::Clutter => Self::Cluttered,
+            Objection::Light => Self::Bent,
             Objection::Motion => Self::Moving,
             Objection::FewFrames => Self::Tentative,
         }
