@@ -19,7 +19,7 @@ pub(super) struct Steps {
     /// Lines that begin a step to the right of another one, or to the left, less those that begin elsewhere.
     right: i8,
     left: i8,
-    /// Of the frame, so far.
+    /// Rows of the frame so far: what begins with it does not begin with the light.
     rows: u16,
 }
 
@@ -43,7 +43,7 @@ impl Steps {
         if !self.light.has_changed() {
             return false;
         }
-        let (mut cut, mut going_on) = (0_u16, 0_u16);
+        let (mut cut, mut going_on) = (0_u32, 0_u32);
         for track in tracks.filter(|track| track.state != State::Tentative) {
             if self.is_with_light(track.line.first().row, row) || self.has_broken_off(track, row) {
                 cut += 1;

@@ -151,7 +151,7 @@ pub(super) const STEP_ROWS: u16 = 24;
 
 /// Light that cuts lines lets no more than so many times as many go on (`pulsed::pulsed_light_is_noticed` with one,
 /// `steady_light::what_stands_still_in_steady_light_is_far` with five).
-pub(super) const CUT_SHARE: u16 = 3;
+pub(super) const CUT_SHARE: u32 = 3;
 
 /// Less than this is no step, in 1/65536 px: lines that break off in the dark go on in their place to half a pixel
 /// (`pulsed::pulsed_light_is_noticed` with twice as much).
