@@ -172,6 +172,19 @@ fn camera<'s>(scene: &'s Scene<3>, setup: &Setup<f32>, exposure: Exposure, seed:
 
 /// Root mean square over frames and edges of the error of inverse depth, in the sigma that is stated and in itself.
 fn rms_errors(format: PixelFormat, taken_for: PixelFormat, exposure: Exposure, tint: Tint, frames: u64) -> (f64, f64) {
+    rms_errors_of_rows(format, exposure, tint, frames, |ranger, setup, row, bytes| {
+        ranger.row(setup, row, taken_for.row(bytes, row))
+    })
+}
+
+/// Likewise of rows of bytes that are handed over in any way.
+fn rms_errors_of_rows(
+    format: PixelFormat,
+    exposure: Exposure,
+    tint: Tint,
+    frames: u64,
+    take: impl Fn(&mut BoardRanger, &Setup<f32>, u16, &[u8]) -> Result<(), RowError>,
+) -> (f64, f64) {
     let world = moving(1.0);
     let setup = world.setup_read::<f32>(Uncertainty::NONE, ReadoutDirection::TopToBottom);
     let scene = post_and_wall();
@@ -184,7 +197,7 @@ fn rms_errors(format: PixelFormat, taken_for: PixelFormat, exposure: Exposure, t
         let mut ranger = BoardRanger::new();
         for row in 0..ROWS {
             simulator.row_in(row, format, &mut bytes);
-            ranger.row(&setup, row, taken_for.row(&bytes, row)).expect("rows in order");
+            take(&mut ranger, &setup, row, &bytes).expect("rows in order");
         }
         ranger.end_frame(&setup);
         let found = ranger.ranges(&setup, &world.motion());
@@ -217,6 +230,16 @@ fn accuracy_of_each_format_against_grey() {
         assert!((0.7..1.3).contains(&(error / grey)), "{format}: {} of grey", error / grey);
         assert!((0.8..1.3).contains(&of_sigma), "{format}: {of_sigma} sigma");
     }
+}
+
+/// The bytes of a mosaic are none of one colour, however they are handed over.
+#[test]
+fn a_mosaic_of_plain_bytes_is_a_mosaic() {
+    let by_name = rms_errors(PixelFormat::Bayer8, PixelFormat::Bayer8, USUAL, COLOURED, 4);
+    let plain = rms_errors_of_rows(PixelFormat::Bayer8, USUAL, COLOURED, 4, |ranger, setup, row, bytes| {
+        ranger.row(setup, row, Bayer::new(bytes, row))
+    });
+    assert_eq!(plain, by_name);
 }
 
 /// What the phase is in the model for: taken for grey, the colours of a mosaic pass for noise, and sigma is three times

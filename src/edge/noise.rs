@@ -51,10 +51,10 @@ impl Across {
             self.begin(pixels);
         }
         let first = usize::from(self.first);
-        match pixels.grey() {
+        let is_mosaic = pixels.mosaic_row().is_some();
+        match pixels.grey().filter(|_| !is_mosaic) {
             Some(grey) => self.learn_grey(grey, first, every),
             None => {
-                let is_mosaic = pixels.mosaic_row().is_some();
                 for from in
                     (first * STRETCH..).step_by(every * STRETCH).take_while(|at| at + STRETCH <= pixels.columns())
                 {
@@ -67,7 +67,7 @@ impl Across {
         self.rows = self.rows.saturating_add(1);
     }
 
-    /// Likewise of grey bytes.
+    /// Likewise of grey bytes of one colour.
     #[inline(never)] // all of it then fits into the registers
     fn learn_grey(&mut self, grey: &[u8], first: usize, every: usize) {
         let mut across = *self;

@@ -42,10 +42,14 @@ impl<P: Pixels> PixelRow<'_, P> {
         self.pixels.grey().filter(|_| self.response.is_identity())?.get(stretch.columns())
     }
 
-    /// The light of the whole row, where edges are located in ways that are made for bytes.
+    /// The light of the whole row, where edges are located in ways that are made for bytes of one colour.
     #[inline(always)]
     pub(crate) fn quick_bytes(&self) -> Option<&[u8]> {
-        if P::HAS_QUICK_WAYS { self.pixels.grey().filter(|_| self.response.is_identity()) } else { None }
+        if P::HAS_QUICK_WAYS && self.pixels.mosaic_row().is_none() {
+            self.pixels.grey().filter(|_| self.response.is_identity())
+        } else {
+            None
+        }
     }
 
     /// Hands over the light of each pixel, in 1/256 of a level, with what belongs to it.
