@@ -195,11 +195,11 @@ fn worst_rotation<S: Scalar>(from: f64, to: f64) -> f64 {
     (0..=STEPS).map(error).fold(0.0, f64::max)
 }
 
-/// By series, and by doublings of the angle beyond one radian, each of which doubles the error at most. An exact
-/// rotation would be one of double precision.
+/// By series, and by doublings of the angle beyond one radian, each of which doubles the error at most; of many turns, by
+/// the rest. An exact rotation would be one of double precision.
 #[test]
 fn any_angle_is_turned_to_the_last_bits() {
-    for (from, to) in [(0.0, 0.06), (0.06, 1.0), (1.0, 3.2), (3.2, 30.0)] {
+    for (from, to) in [(0.0, 0.06), (0.06, 1.0), (1.0, 3.2), (3.2, 30.0), (30.0, 1000.0)] {
         let scale = f64::max(1.0, to);
         let errors = [
             ("f32", worst_rotation::<f32>(from, to), 1.5e-7),

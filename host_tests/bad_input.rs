@@ -39,15 +39,17 @@ fn a_camera_refuses_nonsense_by_the_name_of_its_parameter() {
 #[test]
 fn a_motion_refuses_nonsense_by_the_name_of_its_parameter() {
     let down = [0.0, 1.0, 0.0];
-    for nonsense in [f64::NAN, f64::INFINITY, 1e6] {
+    for nonsense in [f64::NAN, f64::INFINITY, 2e6] {
         let vector = [0.0, nonsense, 0.0];
         assert_eq!(Twist::new(vector, [0.0; 3], down).expect_err("nonsense").parameter, "velocity_m_s");
         assert_eq!(Twist::new([0.0; 3], vector, down).expect_err("nonsense").parameter, "rate_rad_s");
         assert_eq!(Twist::new([0.0; 3], [0.0; 3], vector).expect_err("nonsense").parameter, "gravity");
     }
     assert_eq!(Twist::new([0.0; 3], [0.0; 3], [0.0; 3]).expect_err("no direction").parameter, "gravity");
-    // An accelerometer's 9.81 m/s² is as good a direction as any.
-    assert!(Twist::new([0.0; 3], [0.0; 3], [0.0, 9.81, 0.0]).is_ok());
+    // An accelerometer's 9.81 m/s² is as good a direction as any, and so is what one of 16 bits counts.
+    for length in [9.81, 1003.0, 32_767.0] {
+        assert_eq!(Twist::new([0.0; 3], [0.0; 3], [0.0, length, 0.0]).map(|twist| twist.gravity()), Ok(down));
+    }
 }
 
 #[test]
@@ -119,8 +121,6 @@ fn a_ranger_refuses_points_that_cannot_be_and_says_why() {
         ranger.edge_point(&setup, EdgePoint::new(9, 1 << 16, 500)),
         Err(EdgeError::RowOrder { row: 9, previous: 10 })
     );
-    let back = Err(EdgeError::TimeOrder { time_ns: 400, previous_ns: 500 });
-    assert_eq!(ranger.edge_point(&setup, EdgePoint::new(11, 1 << 16, 400)), back);
     assert_eq!(ranger.edge_point(&setup, EdgePoint::new(11, 1 << 16, 600)), Ok(()));
     assert_eq!(ranger.end_row(&setup, 480), Err(EdgeError::RowOrder { row: 480, previous: 11 }));
     assert_eq!(ranger.end_row(&setup, 10), Err(EdgeError::RowOrder { row: 10, previous: 11 }));

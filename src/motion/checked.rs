@@ -10,6 +10,9 @@ const MAX_RATE_RAD_S: i32 = 1_000;
 const MAX_WAY_M: i32 = 1_000_000;
 const MAX_ELAPSED_S: i32 = 1_000_000;
 
+/// Only the direction counts: it may be in g, in m/s², or in what an accelerometer of 16 bits counts.
+const MAX_GRAVITY: i32 = 1_000_000;
+
 pub(crate) fn checked_velocity<S: Scalar>(velocity_m_s: [S; 3]) -> Result<[S; 3], ParameterError> {
     check("velocity_m_s", velocity_m_s, MAX_SPEED_M_S, "finite, at most 10000 (m/s)")?;
     Ok(velocity_m_s)
@@ -33,7 +36,7 @@ pub(crate) fn check_next_frame<S: Scalar>(pose: &Pose<S>, elapsed_s: S) -> Resul
 
 /// The direction as a unit vector.
 pub(crate) fn checked_direction<S: Scalar>(gravity: [S; 3]) -> Result<[S; 3], ParameterError> {
-    check("gravity", gravity, 1_000, "finite, at most 1000 (only its direction counts)")?;
+    check("gravity", gravity, MAX_GRAVITY, "finite, at most 1000000 (only its direction counts)")?;
     let square = dot(gravity, gravity);
     if square == S::ONE {
         return Ok(gravity);

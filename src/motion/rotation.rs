@@ -39,15 +39,31 @@ fn of_small_angle<N: Arithmetic>(square: N) -> [N; 2] {
 /// Squares of angles below one over this are those of small angles.
 const SMALL: i32 = 256;
 
-/// An angle that is more than one radian after so many halvings, 10¹⁹ of them, is none that a type resolves.
-const MOST_HALVINGS: usize = 64;
+/// An angle of so many radians, squared, is doubled to without losing more than its own rounding.
+const MOST_SQUARE: i32 = 1024;
 
-/// A and B of an angle of any size: from the series of a half, a quarter and so on of it that is at most one radian, by
-/// `A(2φ) = A cos φ` and `B(2φ) = A²/2`.
+/// A and B of an angle of any size. Of many turns only the rest counts: by doublings alone a rotation would not keep
+/// lengths.
 #[inline(never)]
+fn of_angle<S: Scalar>(square: S) -> [S; 2] {
+    if square <= S::from_i32(MOST_SQUARE) {
+        return doubled(square);
+    }
+    // To 10⁻¹⁹, as two quotients of whole numbers.
+    let turn = S::ratio(208_696, 33_215) - S::ratio(1, 1_507_714_343);
+    let angle = square.sqrt();
+    // Of an angle that its type does not resolve, any.
+    let rest = (angle - S::from_i64((angle / turn).to_i64()) * turn).max(S::ZERO).min(turn);
+    let [a, b] = doubled(rest * rest);
+    let part = rest / angle;
+    [a * part, b * part * part]
+}
+
+/// A and B of such an angle: from the series of a half, a quarter and so on of it that is at most one radian, by
+/// `A(2φ) = A cos φ` and `B(2φ) = A²/2`.
 fn doubled<S: Scalar>(square: S) -> [S; 2] {
     let (mut part, mut halvings) = (square, 0);
-    while part > S::ONE && halvings < MOST_HALVINGS {
+    while part > S::ONE {
         (part, halvings) = (part.half().half(), halvings + 1);
     }
     let [mut a, mut b, _] = series(part);
@@ -66,7 +82,7 @@ impl<S: Scalar> Rotation<S> {
         let [a, b] = if square < S::ratio(1, SMALL) {
             of_small_angle(Whole(square)).map(|Whole(series)| series)
         } else {
-            doubled(square)
+            of_angle(square)
         };
         Self { vector, square, a, b }
     }

@@ -113,7 +113,8 @@ impl<S: Scalar, const N: usize> Trajectory<S, N> {
         self.rate.push(stamp_ns, checked_rate(rate_rad_s)?)
     }
 
-    /// Takes the direction of "down", a vector of any length: an accelerometer at rest shows its opposite.
+    /// Takes the direction of "down", of a length as [`Twist::new`](crate::Twist::new) takes it: an accelerometer at rest shows
+    /// its opposite.
     ///
     /// *Errors*: as [`Trajectory::push_velocity`]; a gravity without direction; a trajectory that was made without
     /// gravity.

@@ -31,9 +31,11 @@ pub struct Twist<S> {
 impl<S: Scalar> Twist<S> {
     /// From the camera's velocity (m/s) and rotation rate (rad/s), and the direction of gravity, all in the camera's
     /// axes at frame start. Rates are right-handed: a positive one about x turns the view up, about y to the right,
-    /// about z rolls the camera clockwise. Gravity may have any length; an accelerometer at rest shows its opposite.
+    /// about z rolls the camera clockwise. Of gravity only the direction counts; an accelerometer at rest shows its
+    /// opposite.
     ///
-    /// *Errors*: a component that is not finite or beyond 10000 m/s and 1000 rad/s; a gravity without direction.
+    /// *Errors*: a component that is not finite or beyond 10000 m/s and 1000 rad/s; a gravity shorter than 0.001 or with a
+    /// component beyond 10⁶.
     pub fn new(velocity_m_s: [S; 3], rate_rad_s: [S; 3], gravity: [S; 3]) -> Result<Self, ParameterError> {
         Ok(Self {
             velocity_m_s: checked_velocity(velocity_m_s)?,
