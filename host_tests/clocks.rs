@@ -98,3 +98,122 @@ fn a_readout_that_is_off_by_a_few_per_cent_is_told_by_the_stamps() {
     let range = range_with(&setup, &scene, |point| point.time_ns).expect("within a twentieth");
     assert_right("2 % slower than stated", &range, &scene);
 }
+
+/// Nothing but the readout tells the time: stamps may be anything.
+#[test]
+fn ignored_stamps_may_be_anything() {
+    let scene = Scene { depth_m: 3.0, ..Scene::vga() };
+    let setup = setup(&scene).with_stamp_policy(StampPolicy::Ignored);
+    for stamp in [|_| i64::MAX, |row: i64| -row * MS, |row: i64| 7_200_000 * MS + row, |row: i64| row % 7 * MS] {
+        let range = range_with(&setup, &scene, |point| stamp(point.row.into())).expect("stamps are not looked at");
+        assert_right("ignored", &range, &scene);
+    }
+}
+
+/// Where stamps alone tell the time, one that is earlier than those of the rows before is refused wherever it stands in
+/// its row; where the readout can tell it, it does.
+#[test]
+fn stamps_that_run_backwards() {
+    let scene = Scene { depth_m: 3.0, ..Scene::vga() };
+    let checked = setup(&scene);
+    let trusted = checked.clone().with_stamp_policy(StampPolicy::Trusted);
+    let point = |row: u16, column: i32, time_ns: i64| EdgePoint::new(row, column << 16, time_ns);
+    for before_in_row in [None, Some(110_000)] {
+        let mut rangers: [Ranger<4, 8, 4>; 2] = [Ranger::new(), Ranger::new()];
+        let [by_stamps, by_readout] = &mut rangers;
+        for (ranger, setup) in [(&mut *by_stamps, &trusted), (&mut *by_readout, &checked)] {
+            ranger.edge_point(setup, point(0, 100, 50_000)).expect("the first point");
+            if let Some(time_ns) = before_in_row {
+                ranger.edge_point(setup, point(1, 100, time_ns)).expect("a later point");
+            }
+        }
+        let back = Err(EdgeError::TimeOrder { time_ns: 20_000, previous_ns: 50_000 });
+        assert_eq!(by_stamps.edge_point(&trusted, point(1, 300, 20_000)), back);
+        assert_eq!(by_stamps.edge_point(&trusted, point(1, 300, 50_000)), Ok(()));
+        assert_eq!(by_readout.edge_point(&checked, point(1, 300, 20_000)), Ok(()));
+        assert!(by_readout.has_irregular_stamps());
+    }
+}
+
+/// One late interrupt costs no point of the rows after it.
+#[test]
+fn a_late_row_costs_no_other() {
+    let scene = Scene { depth_m: 3.0, ..Scene::vga() };
+    let setup = setup(&scene);
+    for late_ns in [MS * 3 / 10, MS, 5 * MS, 13 * MS] {
+        let late = |point: &EdgePoint| point.time_ns + if point.row == 100 { late_ns } else { 0 };
+        let range = range_with(&setup, &scene, late).expect("late by less than the frame");
+        assert_eq!(range.points, 480, "late by {late_ns} ns");
+        assert_right(&format!("late by {late_ns} ns"), &range, &scene);
+    }
+}
+
+/// Both points of the row in which stamps are found to be irregular have the readout's time.
+#[test]
+fn a_row_that_becomes_irregular_has_one_time() {
+    let scene = Scene { depth_m: 3.0, ..Scene::vga() };
+    let setup = scene.setup_with::<f64>(Uncertainty::NONE);
+    let mut ranger: Ranger<8, 16, 8> = Ranger::new();
+    for row in 0..480 {
+        let time_ns = setup.readout().row_time_ns(row);
+        let stamp_ns = time_ns * 104 / 100;
+        for (column_px, late_ns) in [(200.0, 0), (400.0, if row == 300 { MS * 9 / 10 } else { 0 })] {
+            let column_px = column_px + 400.0 * time_ns as f64 * 1e-9;
+            let point = EdgePoint::new(row, (column_px * 65536.0) as i32, stamp_ns + late_ns);
+            ranger.edge_point(&setup, point).expect("within the frame");
+        }
+    }
+    assert!(ranger.has_irregular_stamps());
+    ranger.end_frame(&setup);
+    let lines: Vec<_> = std::iter::from_fn(|| ranger.next_line()).collect();
+    let times = |line: &shutter_range::Line<16>| line.samples::<f64>().map(|sample| sample.time_s).collect::<Vec<_>>();
+    assert_eq!(lines.iter().map(|line| line.points()).collect::<Vec<_>>(), [480, 480]);
+    assert_eq!(times(&lines[0]), times(&lines[1]));
+    assert_eq!(ranger.counters().stray_points, 0);
+}
+
+/// A row that is said to have no points tells nothing of the stamps of others: here they are 0.3 ms late, and 4 % slower
+/// than the readout.
+#[test]
+fn an_empty_row_has_no_stamp() {
+    let scene = Scene { depth_m: 3.0, ..Scene::vga() };
+    let setup = scene.setup_with::<f64>(Uncertainty::NONE);
+    let line = |ends_first_row: bool| {
+        let mut ranger: Ranger<8, 16, 8> = Ranger::new();
+        if ends_first_row {
+            ranger.end_row(&setup, 0).expect("the first row");
+        }
+        for point in scene.points().into_iter().filter(|point| point.row > 0) {
+            let time_ns = point.time_ns * 104 / 100 + MS * 3 / 10;
+            ranger.edge_point(&setup, EdgePoint { time_ns, ..point }).expect("within the frame");
+        }
+        assert!(!ranger.has_irregular_stamps());
+        ranger.end_frame(&setup);
+        ranger.next_line().expect("a line")
+    };
+    assert_eq!(line(true), line(false));
+}
+
+/// A line that nobody has taken keeps the times of its own frame, also where the stamps of the next one are in ticks.
+#[test]
+fn a_line_that_waits_keeps_its_times() {
+    let scene = Scene { depth_m: 3.0, ..Scene::vga() };
+    let slower = Scene { readout_s: scene.readout_s * 0.98, ..scene.clone() };
+    let setup = slower.setup_with::<f64>(Uncertainty::NONE);
+    let first_line = |waits: bool| {
+        let mut ranger: Ranger<8, 16, 8> = Ranger::new();
+        let mut frame = |tick_ns: i64, waits: bool| {
+            for point in scene.points() {
+                let stamped = EdgePoint { time_ns: point.time_ns / tick_ns * tick_ns, ..point };
+                ranger.edge_point(&setup, stamped).expect("within the frame");
+            }
+            ranger.end_frame(&setup);
+            if waits { Vec::new() } else { std::iter::from_fn(|| ranger.next_line()).collect() }
+        };
+        let first = frame(1, waits);
+        // The line that has ended last is taken first.
+        let second = frame(4 * MS, false);
+        first.into_iter().chain(second.into_iter().rev()).next().expect("a line of the first frame")
+    };
+    assert_eq!(first_line(true), first_line(false));
+}

@@ -3,7 +3,7 @@
 use rand::rngs::StdRng;
 use rand::{Rng, SeedableRng};
 use shutter_range::sim::{Background, Bar, Exposure, Scene};
-use shutter_range::{Ranger, RowError, Setup, Uncertainty};
+use shutter_range::{EdgePoint, Ranger, RowError, Setup, Uncertainty};
 
 use crate::rendered::{Frame, ROWS, TOP, moving, render};
 
@@ -179,4 +179,24 @@ fn whole_frames_do_not_jump() {
 #[ignore = "half a minute; `whole_frames_do_not_jump` takes the first 200 of them"]
 fn ten_thousand_whole_frames_do_not_jump() {
     assert_none_in(10_000);
+}
+
+/// Given points tell nothing of the light: edges that begin beside others are no pulses.
+#[test]
+fn points_are_no_light() {
+    let setup = moving(1.5).setup_read::<f32>(Uncertainty::NONE, TOP);
+    let mut ranger = Ranger::<32, 10, 32>::new();
+    for row in 0..ROWS {
+        for edge in 0..8_u16 {
+            let column_q16 = i32::from(20 + 36 * edge) << 16;
+            let begun = if row >= 9 + edge / 2 { 2 } else { 1 };
+            for beside in 0..begun {
+                let point = EdgePoint::new(row, column_q16 + ((beside * 6) << 16), setup.readout().row_time_ns(row));
+                ranger.edge_point(&setup, point).expect("edges that all go on");
+            }
+        }
+    }
+    ranger.end_frame(&setup);
+    let lines: Vec<u16> = std::iter::from_fn(|| ranger.next_line()).map(|line| line.points()).collect();
+    assert_eq!(lines.len(), 16, "{lines:?}");
 }

@@ -94,6 +94,11 @@ impl Passing {
     }
 
     fn told_of(&self, frame: &Frame, setup: &Setup<f32>) -> Told {
+        self.told_at(frame, setup, |_| true)
+    }
+
+    /// Likewise, with the ranges taken after some of the rows and at the end.
+    fn told_at(&self, frame: &Frame, setup: &Setup<f32>, takes_after: impl Fn(u16) -> bool) -> Told {
         let mut ranger = Ranger::<64, 16, 64>::new();
         let motion = moving(self.speed_m_s).motion();
         let mut found = Vec::new();
@@ -101,7 +106,9 @@ impl Passing {
             if ranger.row(setup, row, pixels).is_err() {
                 break;
             }
-            found.extend(ranger.ranges(setup, &motion));
+            if takes_after(row) {
+                found.extend(ranger.ranges(setup, &motion));
+            }
         }
         let is_torn = ranger.is_torn();
         ranger.end_frame(setup);
@@ -198,6 +205,22 @@ fn images_of_several_pulses_are_no_fence() {
         }
     }
     assert!(torn * 2 >= frames, "{torn} of {frames}");
+}
+
+/// What is told of an edge does not depend on when it is asked for.
+#[test]
+fn it_is_told_alike_whenever_it_is_asked() {
+    for passing in [60.0, 120.0, 160.0].into_iter().flat_map(|frequency_hz| passing(2.5, 0.008, frequency_hz, 0.1)) {
+        let (frame, setup) = (passing.frame(), passing.setup(tilt_of(TENTH_DEGREE)));
+        let told = |takes_after: fn(u16) -> bool| {
+            let edges = passing.told_at(&frame, &setup, takes_after).edges;
+            let mut told: Vec<_> =
+                edges.iter().map(|(range, _)| (range.first_row, range.status.name(), range.points)).collect();
+            told.sort_unstable();
+            told
+        };
+        assert_eq!(told(|_| false), told(|_| true), "{:?}, seed {}", passing.lamp, passing.seed);
+    }
 }
 
 /// Of frames in light of one frequency: how many there are and how many are found torn; how many edges are `ok`, and

@@ -128,7 +128,8 @@ fn write_jump(formatter: &mut Formatter<'_>, row: u16) -> fmt::Result {
     )
 }
 
-/// Why an edge point was not taken. The point is left out and nothing else changes.
+/// Why an edge point was not taken. The point is left out and nothing else changes, but for [`Jump`](Self::Jump), which
+/// tears the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -147,7 +148,8 @@ pub enum EdgeError {
         /// The row that came last.
         previous: u16,
     },
-    /// The time stamp is earlier than that of a row read before.
+    /// The time stamp is earlier than that of a row read before, and no readout tells the time instead
+    /// ([`StampPolicy::Trusted`](crate::StampPolicy::Trusted)).
     TimeOrder {
         /// Time of the point in nanoseconds since frame start.
         time_ns: i64,

@@ -1,7 +1,7 @@
 //! From a row of pixels and the model of an edge to what the row says of it ([`Fit`]).
 
 use super::factor::{Factor, shifted};
-use super::level_moments::FreeLevels;
+use super::level_norms::FreeLevels;
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
 use super::norms::{Norms, sigma_q16};
@@ -39,10 +39,10 @@ impl Contrast {
 
 impl EdgeModel {
     /// Fits column, width and levels of an edge whose window is whole.
-    pub(super) fn fit_whole(&self, kind: usize, window: &WholeWindow<'_>) -> Option<Fit> {
+    pub(super) fn fit_whole(&self, window: &WholeWindow<'_>) -> Option<Fit> {
         let template = self.template();
         let own_q8 = window.sums().levels_q8(template);
-        let (off_q8, contrast) = self.against_means(kind, own_q8)?;
+        let (off_q8, contrast) = self.against_means(0, own_q8)?;
         let moments = window.moments(own_q8);
         let (norms, centre_q8) = (&window.phase.norms, window.centre_q8);
         Step { template, norms, moments, contrast, free_slope_slope: None, centre_q8, off_q8 }.fit_apart(self)
@@ -108,7 +108,7 @@ impl EdgeModel {
         let [own_left_q8, own_right_q8] = own_q8;
         let moments = window.moments(own_q8);
         let FreeLevels { off_q8: [free_left_q8, free_right_q8], slope_slope } =
-            window.level_moments(own_q8).free(moments.residual_slope, norms.slope_slope)?;
+            window.level_norms()?.free(window.level_sums(own_q8), moments.residual_slope)?;
         let [found_left_q8, found_right_q8] = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
         let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
         let [left_off_q8, right_off_q8] = off_q8;

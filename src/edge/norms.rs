@@ -9,9 +9,9 @@ use super::weight::Weight;
 #[derive(Clone, Copy)]
 pub(super) struct Squares {
     pixels: u32,
-    slope: u32,
-    slope_slope: u32,
-    widening_widening: u32,
+    pub(super) slope: u32,
+    pub(super) slope_slope: u32,
+    pub(super) widening_widening: u32,
 }
 
 /// What turns inner products over a flank into estimates; made when the library is compiled, unless a neighbour or the

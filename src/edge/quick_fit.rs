@@ -2,55 +2,36 @@
 
 use super::factor::Factor;
 use super::fit::{Contrast, alike};
-use super::level_moments::{FreeLevels, LevelMoments, Shares};
+use super::level_norms::{FreeLevels, LevelNorms, LevelSums};
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
-use super::norms::{LEAST_SLOPE_SLOPE, of_levels_q12, per_freedom_q16, reciprocal, sigma_q8, sigma_q16};
-use super::pixel_row::{PixelRow, Stretch, mean_q8};
-use super::template::Sampled;
+use super::norms::{LEAST_SLOPE_SLOPE, Squares, of_levels_q12, per_freedom_q16, reciprocal, sigma_q8, sigma_q16};
+use super::pixel_row::{Stretch, mean_q8};
+use super::template::{Phase, Sampled, Template};
 use super::weight::Weight;
 use super::window::Parts;
-use crate::format::Pixels;
 
-/// Inner products over a flank: of what is off the expected step, with slope and widening, and of these with
-/// themselves.
+/// What a flank tells without its pixels.
+struct Flank {
+    weights: &'static [Weight],
+    slope: u32,
+    slope_slope: u32,
+    per_slope: Factor,
+    per_widening: Factor,
+    /// [`Template::per_width`].
+    per_width: Factor,
+    /// The phase, of which this is the whole flank.
+    whole: Option<&'static Phase>,
+}
+
+/// Inner products of what is off the expected step, in 1/64 grey level, with slope and widening.
 #[derive(Default)]
 struct Sums {
     slope: i32,
     widening: i32,
-    slope_slope: u32,
-    widening_widening: u32,
-    /// Of the slope alone.
-    whole_slope: u32,
 }
 
-/// Each pixel of a flank minus what is expected there, in 1/64 of a level, with its weight.
-#[inline(always)]
-fn residuals<'w>(
-    flank: &[u8],
-    weights: &'w [Weight],
-    [left_q8, right_q8]: [i32; 2],
-) -> impl Iterator<Item = (i32, &'w Weight)> {
-    let (left_q6, contrast_q6) = (left_q8 >> 2, (right_q8 >> 2) - (left_q8 >> 2));
-    flank.iter().zip(weights).map(move |(pixel, weight)| {
-        let expected_q6 = left_q6 + ((contrast_q6 * i32::from(weight.step)) >> 15);
-        ((i32::from(*pixel) << 6) - expected_q6, weight)
-    })
-}
-
-impl Sums {
-    #[inline(always)]
-    fn add(&mut self, residual_q6: i32, weight: &Weight) {
-        let (slope, widening) = (i32::from(weight.slope), i32::from(weight.widening));
-        self.slope += residual_q6 * slope;
-        self.widening += residual_q6 * widening;
-        self.slope_slope += (slope * slope) as u32;
-        self.widening_widening += (widening * widening) as u32;
-        self.whole_slope += slope as u32;
-    }
-}
-
-/// What a flank shows, given levels.
+/// What a row shows, given levels.
 struct Seen {
     sums: Sums,
     /// Of the slope with itself, less what free levels explain.
@@ -61,52 +42,113 @@ struct Seen {
     off_q8: [i32; 2],
 }
 
+impl Flank {
+    /// So many pixels of a phase from one on. Made when the library is compiled, unless a part of them is cut off.
+    #[inline(always)]
+    fn new(phase: &'static Phase, template: &Template, skipped: usize, pixels: usize) -> Option<Self> {
+        if pixels == phase.weights.len() {
+            let (norms, quick) = (&phase.norms, phase.quick());
+            return Some(Self {
+                weights: phase.weights,
+                slope: quick.slope.into(),
+                slope_slope: norms.slope_slope as u32,
+                per_slope: norms.per_slope,
+                per_widening: norms.per_widening,
+                per_width: quick.per_width,
+                whole: Some(phase),
+            });
+        }
+        let weights = phase.weights.get(skipped..skipped + pixels)?;
+        let Squares { slope, slope_slope, widening_widening, .. } = weights.iter().fold(Squares::NONE, Squares::with);
+        let per_widening = reciprocal(widening_widening);
+        Some(Self {
+            weights,
+            slope,
+            slope_slope,
+            per_slope: reciprocal(slope_slope),
+            per_widening,
+            per_width: template.per_width_of(per_widening),
+            whole: None,
+        })
+    }
+
+    /// Each of its pixels minus what is expected there, in 1/64 of a level, with its weight.
+    #[inline(always)]
+    fn residuals(&self, pixels: &[u8], [left_q8, right_q8]: [i32; 2]) -> impl Iterator<Item = (i32, &'static Weight)> {
+        let (left_q6, contrast_q6) = (left_q8 >> 2, (right_q8 >> 2) - (left_q8 >> 2));
+        pixels.iter().zip(self.weights).map(move |(pixel, weight)| {
+            let expected_q6 = left_q6 + ((contrast_q6 * i32::from(weight.step)) >> 15);
+            ((i32::from(*pixel) << 6) - expected_q6, weight)
+        })
+    }
+
+    /// What it says of the levels.
+    #[inline(always)]
+    fn free(&self, sums: LevelSums, residuals: &Sums) -> Option<(FreeLevels, [i32; 2])> {
+        let explain = |norms: &LevelNorms| {
+            let free = norms.free(sums, residuals.slope)?;
+            let explained_q6 = norms.explained_q6(free.off_q8);
+            Some((free, explained_q6))
+        };
+        match self.whole.and_then(Phase::level_norms) {
+            Some(norms) => explain(norms),
+            None => explain(&LevelNorms::of(self.weights)),
+        }
+    }
+}
+
+impl Sums {
+    #[inline(always)]
+    fn add(&mut self, residual_q6: i32, weight: &Weight) {
+        self.slope += residual_q6 * i32::from(weight.slope);
+        self.widening += residual_q6 * i32::from(weight.widening);
+    }
+}
+
 impl EdgeModel {
     /// Column and width of the edge near the expected column, as [`EdgeModel::fit_in_window`] finds them, in a row of grey
-    /// bytes. No norms are needed but what the flank's own pixels sum up, and what remains of the row is measured only
-    /// where that is asked for.
+    /// bytes. What remains of the row is measured only where that is asked for.
     #[inline(never)]
-    pub(super) fn quick_fit<P: Pixels>(
+    pub(super) fn quick_fit(
         &self,
-        row: PixelRow<'_, P>,
+        row: &[u8],
         column_q8: i32,
         bounds_q8: (i32, i32),
         is_measured: bool,
     ) -> Option<Fit> {
-        let template = self.template();
-        if !self.is_alone(column_q8, bounds_q8, row.columns()) {
+        // What lies beyond 2¹⁶ is out of reach of columns in 1/65536 px.
+        let (template, columns) = (self.template(), row.len().min(1 << 16) as i32);
+        if !self.is_alone(column_q8, bounds_q8, columns) {
             return None;
         }
         let Sampled { first, centre_q8, phase } = template.at(column_q8);
-        let pixels = phase.weights.len() as i32;
-        let parts = Parts::new(column_q8, first, pixels, template, bounds_q8, (row.columns(), row.colours()))?;
-        let ([left, right], flank) = (parts.plateaus, parts.flank);
-        let weights = phase.weights.get(parts.skipped..parts.skipped + flank.pixels())?;
-        let window = row.quick_bytes()?.get(left.from..right.to)?;
-        let of = |stretch: Stretch| window.get(stretch.from - left.from..stretch.to - left.from);
-        let (own_q8, flank) = ([mean_q8(of(left)?)?, mean_q8(of(right)?)?], of(flank)?);
-        let seen = if self.is_textured() {
-            self.quick_free_levels(flank, weights, own_q8)?
-        } else {
-            self.quick_levels(flank, weights, own_q8)?
-        };
-        let Seen { sums, sure_slope, contrast, levels_q8, off_q8 } = seen;
-        let plateaus = parts.plateaus.map(|plateau| plateau.pixels() as u32);
-        if sums.slope_slope < LEAST_SLOPE_SLOPE || flank.len() < 3 {
+        let parts = Parts::new(column_q8, first, phase.weights.len() as i32, template, bounds_q8, (columns, 1))?;
+        let flank = Flank::new(phase, template, parts.skipped, parts.flank.pixels())?;
+        let of = |stretch: Stretch| row.get(stretch.from..stretch.to);
+        let ([left, right], pixels) = (parts.plateaus, of(parts.flank)?);
+        let own_q8 = [mean_q8(of(left)?)?, mean_q8(of(right)?)?];
+        if flank.slope_slope < LEAST_SLOPE_SLOPE || pixels.len() < 3 {
             return None;
         }
-        let (per_slope, per_widening) = (reciprocal(sums.slope_slope), reciprocal(sums.widening_widening));
+        let seen = if self.is_textured() {
+            self.quick_free_levels(&flank, pixels, own_q8)?
+        } else {
+            self.quick_levels(&flank, pixels, own_q8)?
+        };
+        let Seen { sums, sure_slope, contrast, levels_q8, off_q8 } = seen;
+        let Flank { weights, slope, per_slope, per_widening, per_width, .. } = flank;
+        let plateaus = parts.plateaus.map(|plateau| plateau.pixels() as u32);
         let residual_q16 = if is_measured {
             let per_widening = (!self.is_textured()).then_some(per_widening);
-            let per_freedom_q16 = per_freedom_q16(flank.len() as u32, plateaus);
-            Moments::of_bytes(flank, weights, levels_q8).residual_q16(per_slope, per_widening, per_freedom_q16)
+            let per_freedom_q16 = per_freedom_q16(pixels.len() as u32, plateaus);
+            Moments::of_bytes(pixels, weights, levels_q8).residual_q16(per_slope, per_widening, per_freedom_q16)
         } else {
             0
         };
-        let of_noise_q8 = sigma_q8(sums.whole_slope, sure_slope, of_levels_q12(plateaus));
+        let of_noise_q8 = sigma_q8(slope, sure_slope, of_levels_q12(plateaus));
         let sign = if contrast.is_falling { -1 } else { 1 };
         let product = |per: Factor, of: i32| per.roughly_and(contrast.reciprocal).product(sign * of);
-        let change_q12 = product(template.per_width_of(per_widening), sums.widening);
+        let change_q12 = product(per_width, sums.widening);
         Some(Fit {
             column_q16: (centre_q8 << 8).saturating_sub(product(per_slope, sums.slope)),
             sigma_q16: sigma_q16(of_noise_q8, self.noise_q8, contrast.reciprocal),
@@ -119,36 +161,24 @@ impl EdgeModel {
 
     /// The plateaus tell the levels.
     #[inline(always)]
-    fn quick_levels(&self, flank: &[u8], weights: &[Weight], levels_q8: [i32; 2]) -> Option<Seen> {
+    fn quick_levels(&self, flank: &Flank, pixels: &[u8], levels_q8: [i32; 2]) -> Option<Seen> {
         let (off_q8, contrast) = self.against_means(0, levels_q8)?;
         let mut sums = Sums::default();
-        residuals(flank, weights, levels_q8).for_each(|(residual_q6, weight)| sums.add(residual_q6, weight));
-        let sure_slope = sums.slope_slope;
-        Some(Seen { sums, sure_slope, contrast, levels_q8, off_q8 })
+        flank.residuals(pixels, levels_q8).for_each(|(residual_q6, weight)| sums.add(residual_q6, weight));
+        Some(Seen { sums, sure_slope: flank.slope_slope, contrast, levels_q8, off_q8 })
     }
 
     /// Beside texture the edge's own pixels tell the levels, as in [`EdgeModel::with_free_levels`]: what these change in
     /// the inner products is known without another look at the pixels.
     #[inline(always)]
-    fn quick_free_levels(&self, flank: &[u8], weights: &[Weight], own_q8: [i32; 2]) -> Option<Seen> {
-        let (mut sums, mut shares, mut right_widening, mut widening) = (Sums::default(), Shares::default(), 0, 0);
-        for (residual_q6, weight) in residuals(flank, weights, own_q8) {
+    fn quick_free_levels(&self, flank: &Flank, pixels: &[u8], own_q8: [i32; 2]) -> Option<Seen> {
+        let (mut sums, mut of_levels) = (Sums::default(), LevelSums::default());
+        flank.residuals(pixels, own_q8).for_each(|(residual_q6, weight)| {
             sums.add(residual_q6, weight);
-            let (right, slope) = (i32::from(weight.step >> 7), i32::from(weight.slope));
-            shares.residual += residual_q6;
-            shares.right += right;
-            shares.right_right += right * right;
-            shares.right_residual += right * residual_q6;
-            shares.slope += slope;
-            shares.right_slope += right * slope;
-            widening += i32::from(weight.widening);
-            right_widening += right * i32::from(weight.widening);
-        }
-        if sums.slope_slope < LEAST_SLOPE_SLOPE {
-            return None;
-        }
-        let moments = LevelMoments::of_sums(flank.len() as i32, &shares);
-        let FreeLevels { off_q8: free_q8, slope_slope } = moments.free(sums.slope, sums.slope_slope as i32)?;
+            of_levels.add(residual_q6, weight);
+        });
+        let (FreeLevels { off_q8: free_q8, slope_slope }, [of_slope_q6, of_widening_q6]) =
+            flank.free(of_levels, &sums)?;
         let ([left_q8, right_q8], [free_left_q8, free_right_q8], [own_left_q8, own_right_q8]) =
             (self.levels_q8(0), free_q8, own_q8);
         let levels_q8 = [own_left_q8 + free_left_q8, own_right_q8 + free_right_q8];
@@ -156,26 +186,16 @@ impl EdgeModel {
         let off_q8 = [found_left_q8 - left_q8, found_right_q8 - right_q8];
         let [left_off_q8, right_off_q8] = off_q8;
         let contrast = Contrast::of(alike(right_q8 - left_q8, right_off_q8 - left_off_q8)?, self.template())?;
-        sums.slope -= explained_q6(free_q8, moments.slopes());
-        sums.widening -= explained_q6(free_q8, [(widening << 8) - right_widening, right_widening]);
+        let sums = Sums { slope: sums.slope - of_slope_q6, widening: sums.widening - of_widening_q6 };
         Some(Seen { sums, sure_slope: slope_slope as u32, contrast, levels_q8, off_q8 })
     }
-}
-
-/// What levels that are off, in 1/256 grey level, add to an inner product of residuals in 1/64 grey level, from their
-/// own products with its weights, in 1/256.
-#[inline(always)]
-fn explained_q6([left_q8, right_q8]: [i32; 2], [of_left, of_right]: [i32; 2]) -> i32 {
-    // 32 bits hold both parts: a level is off by at most 255, and the weights of a flank add up to less than 2¹³.
-    let part = |off_q8: i32, of: i32| (off_q8 >> 2) * ((of + (1 << 7)) >> 8);
-    part(left_q8, of_left) + part(right_q8, of_right)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::window::Neighbours;
-    use super::{EdgeModel, Fit, PixelRow};
-    use crate::edge::{EdgePoint, Polarity};
+    use super::{EdgeModel, Fit};
+    use crate::edge::{EdgePoint, PixelRow, Polarity};
     use crate::setup::Response;
 
     const MIDDLE_PX: f64 = 60.0;
@@ -234,6 +254,6 @@ mod tests {
     }
 
     fn quick(model: &EdgeModel, row: PixelRow<'_, &[u8]>, from_q16: i32, around: Neighbours) -> Fit {
-        model.quick_fit(row, from_q16 >> 8, around.bounds_q8(), true).expect("the edge")
+        model.quick_fit(row.pixels, from_q16 >> 8, around.bounds_q8(), true).expect("the edge")
     }
 }

@@ -129,10 +129,12 @@ impl EdgeModel {
     ) -> Option<Fit> {
         let column_q8 = expected_q16 >> 8;
         let Some(bytes) = row.quick_bytes() else { return self.fit_in_window(row, column_q8, bounds_q8) };
-        match WholeWindow::new(bytes, column_q8, self.template(), bounds_q8).filter(|_| !self.is_textured()) {
-            Some(window) => self.fit_whole(row.kind(), &window),
-            None => self.quick_fit(row, column_q8, bounds_q8, is_measured),
+        if !self.is_textured()
+            && let Some(window) = WholeWindow::new(bytes, column_q8, self.template(), bounds_q8)
+        {
+            return self.fit_whole(&window);
         }
+        self.quick_fit(bytes, column_q8, bounds_q8, is_measured)
     }
 
     /// Steps to where the edge is. What is found must not depend on what was expected, or a line would go on where it

@@ -122,9 +122,10 @@ impl Scanner {
             (least.max(LEAST_DIFFERENCE) as i32, ((least * RISE_Q3) >> 3).max(LEAST_RISE) as i32, noise_q8)
         };
         let (anywhere_limits, quiet_limits) = (limits(anywhere), limits(where_quiet));
+        let mut ahead = flanks;
         let look = |stretch, is_quiet| {
             let limits = if is_quiet { quiet_limits } else { anywhere_limits };
-            between(flanks, stretch, |positions| seen = fine(&pixels, positions, seen, limits, &mut found));
+            between(&mut ahead, stretch, |positions| seen = fine(&pixels, positions, seen, limits, &mut found));
         };
         if asked.is_none_or(|asked| !asked.is_empty()) {
             let explained = if looks_beside { &[] } else { flanks };
@@ -165,10 +166,15 @@ const fn usual(across: u32, down: u32) -> u32 {
 }
 
 /// Hands over the positions of a stretch, and the one before, which the coarse scan has not compared, but for those in
-/// a flank.
-fn between(flanks: &[Range<u16>], stretch: Range<usize>, mut look: impl FnMut(Range<usize>)) {
+/// a flank. Leaves the flanks that are not behind this stretch.
+fn between(flanks: &mut &[Range<u16>], stretch: Range<usize>, mut look: impl FnMut(Range<usize>)) {
     let (mut start, end) = (stretch.start.saturating_sub(1), stretch.end);
-    for flank in flanks {
+    while let [first, others @ ..] = *flanks
+        && usize::from(first.end) <= start
+    {
+        *flanks = others;
+    }
+    for flank in *flanks {
         let (from, to) = (usize::from(flank.start), usize::from(flank.end));
         if from >= end {
             break;

@@ -6,6 +6,7 @@
 
 use super::factor::{Factor, shifted};
 use super::feet::Feet;
+use super::level_norms::LevelNorms;
 use super::norms::{Norms, Squares};
 use super::pixel_count::{mean_q8, per_pixels_q20};
 use super::products::Expected;
@@ -65,12 +66,20 @@ pub(super) struct QuickPhase {
     pub(super) expected: Expected,
     /// [`Template::per_width`].
     pub(super) per_width: Factor,
+    /// Sum of the slope.
+    pub(super) slope: u16,
 }
 
 impl Phase {
     #[inline(always)]
     pub(super) fn quick(&self) -> &'static QuickPhase {
         QUICK_PHASES.get(usize::from(self.place)).unwrap_or(&NO_QUICK_PHASE)
+    }
+
+    /// What its flank says of the levels, where that is in the table.
+    #[inline(always)]
+    pub(super) fn level_norms(&self) -> Option<&'static LevelNorms> {
+        LEVEL_NORMS.get(usize::from(self.place))
     }
 }
 
@@ -201,7 +210,7 @@ static WEIGHTS: [Weight; WEIGHT_COUNT] = ALL_WEIGHTS;
 const WEIGHT_COUNT: usize = (WIDEST.first + WIDEST.weights()) as usize;
 
 const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE, feet: Feet::NONE, off_q8: 0, place: 0 };
-const NO_QUICK_PHASE: QuickPhase = QuickPhase { expected: Expected::NONE, per_width: Factor::ONE };
+const NO_QUICK_PHASE: QuickPhase = QuickPhase { expected: Expected::NONE, per_width: Factor::ONE, slope: 0 };
 
 static PHASES: [Phase; PHASE_COUNT] = {
     let mut phases = [const { NO_PHASE }; PHASE_COUNT];
@@ -236,12 +245,40 @@ static QUICK_PHASES: [QuickPhase; PHASE_COUNT] = {
         let mut place = template.first_phase as usize;
         while place < template.first_phase as usize + (1 << template.phases_log2) {
             let Phase { weights, norms, .. } = &PHASES[place];
-            phases[place] = QuickPhase { expected: Expected::of(weights), per_width: template.per_width(norms) };
+            let (expected, per_width) = (Expected::of(weights), template.per_width(norms));
+            phases[place] = QuickPhase { expected, per_width, slope: sum_of_slope(weights) };
             place += 1;
         }
         class += 1;
     }
     phases
+};
+
+const fn sum_of_slope(mut weights: &[Weight]) -> u16 {
+    let mut sum = 0;
+    while let [weight, others @ ..] = weights {
+        (sum, weights) = (sum + weight.slope as u16, others);
+    }
+    sum
+}
+
+/// Of the blurs that have eight phases: beside texture others are rare, and would take as much flash again.
+static LEVEL_NORMS: [LevelNorms; LEVEL_NORM_COUNT] = {
+    let mut norms = [const { LevelNorms::of(&[]) }; LEVEL_NORM_COUNT];
+    let mut place = 0;
+    while place < LEVEL_NORM_COUNT {
+        norms[place] = LevelNorms::of(PHASES[place].weights);
+        place += 1;
+    }
+    norms
+};
+
+const LEVEL_NORM_COUNT: usize = {
+    let mut class = 0;
+    while TEMPLATES[class].phases_log2 == 3 {
+        class += 1;
+    }
+    TEMPLATES[class].first_phase as usize
 };
 
 const PHASE_COUNT: usize = WIDEST.first_phase as usize + (1 << WIDEST.phases_log2);

@@ -246,7 +246,9 @@ mod tests {
                     let edge = EdgePoint { width_q8: 195, ..EdgePoint::new(0, column_q16, 0) };
                     let edge = edge.with_polarity(Polarity::Rising);
                     let Some(mut model) = EdgeModel::settled(row, &edge, around, 600) else { continue };
-                    let Some(fit) = model.quick_fit(row, column_q16 >> 8, around.bounds_q8(), true) else { continue };
+                    let Some(fit) = model.quick_fit(row.pixels, column_q16 >> 8, around.bounds_q8(), true) else {
+                        continue;
+                    };
                     model.learn(0, &fit);
                     let expected = Expectation { column_q16, gate_q16: 1 << 17, looks_for_halo: false };
                     let Some(near) = model.locate_near(&pixels, expected, &around) else { continue };

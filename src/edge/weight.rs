@@ -14,6 +14,12 @@ pub(super) struct Weight {
 }
 
 impl Weight {
+    /// The right level's share of the pixel, in 1/256; the left level has the rest.
+    #[inline(always)]
+    pub(super) const fn right_share(&self) -> i32 {
+        (self.step >> 7) as i32
+    }
+
     pub(super) const fn new(place: &Place, widening: i32, largest: i32) -> Self {
         let slope = (place.slope + 64) >> 7;
         let half = if widening < 0 { -largest / 2 } else { largest / 2 };

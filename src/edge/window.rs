@@ -1,6 +1,6 @@
 //! [`Window`]: the pixels around an edge, and what they say given an expected step.
 
-use super::level_moments::LevelMoments;
+use super::level_norms::{LevelNorms, LevelSums};
 use super::moments::Moments;
 use super::norms::{Norms, Squares};
 use super::pixel_row::{PixelRow, Stretch};
@@ -203,10 +203,15 @@ impl<'p, P: Pixels> Window<'p, P> {
     }
 
     /// What the flank says of the levels themselves, given those to expect.
-    pub(super) fn level_moments(&self, levels_q8: [i32; 2]) -> LevelMoments {
-        let mut moments = LevelMoments::default();
-        self.each(levels_q8, |residual_q6, weight| moments.add(residual_q6, weight));
-        moments
+    pub(super) fn level_sums(&self, levels_q8: [i32; 2]) -> LevelSums {
+        let mut sums = LevelSums::default();
+        self.each(levels_q8, |residual_q6, weight| sums.add(residual_q6, weight));
+        sums
+    }
+
+    /// What becomes of that.
+    pub(super) fn level_norms(&self) -> Option<LevelNorms> {
+        self.weights.get(..self.flank.pixels()).map(LevelNorms::of)
     }
 
     /// Each pixel of the flank minus what is expected there, in 1/64 of a level.

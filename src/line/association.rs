@@ -17,14 +17,14 @@ pub(crate) struct Prediction {
 #[derive(Clone, Copy)]
 enum Item<'e> {
     Point(&'e EdgePoint),
-    Line { slot: u16, gate_q16: u32, coasting: bool },
+    Line { place: u16, gate_q16: u32, coasting: bool },
 }
 
 /// An edge and a line that may belong together.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair<'e> {
     pub(crate) point: &'e EdgePoint,
-    pub(crate) slot: u16,
+    pub(crate) place: u16,
     distance_q16: u32,
     pub(crate) coasting: bool,
 }
@@ -52,15 +52,18 @@ impl<'e, I: Iterator<Item = (Prediction, u16)>> Association<'e, I> {
     /// Takes the next point and hands to `settle` those that are now decided, in the order of columns.
     pub(crate) fn point(&mut self, point: &'e EdgePoint, settle: &mut impl FnMut(Outcome<'e>)) {
         let column = point.column_q16;
-        while let Some((line, slot)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
-            self.advance(Some(item_of(&line, slot)), settle);
+        while let Some((line, place)) = self.lines.next_if(|(line, _)| line.column_q16 <= column) {
+            self.advance(Some(item_of(&line, place)), settle);
         }
         self.advance(Some((column, Item::Point(point))), settle);
     }
 
+    /// What is left is a point, which the next line may still take, if there is any.
     pub(crate) fn finish(mut self, settle: &mut impl FnMut(Outcome<'e>)) {
-        while let Some((line, slot)) = self.lines.next() {
-            self.advance(Some(item_of(&line, slot)), settle);
+        if self.previous.is_some()
+            && let Some((line, place)) = self.lines.next()
+        {
+            self.advance(Some(item_of(&line, place)), settle);
         }
         self.advance(None, settle);
     }
@@ -89,17 +92,17 @@ impl<'e, I: Iterator<Item = (Prediction, u16)>> Association<'e, I> {
     }
 }
 
-fn item_of<'e>(line: &Prediction, slot: u16) -> (i32, Item<'e>) {
-    (line.column_q16, Item::Line { slot, gate_q16: line.gate_q16, coasting: line.coasting })
+fn item_of<'e>(line: &Prediction, place: u16) -> (i32, Item<'e>) {
+    (line.column_q16, Item::Line { place, gate_q16: line.gate_q16, coasting: line.coasting })
 }
 
 /// An edge and a line within the line's gate.
 fn pair_up<'e>(left: (i32, Item<'e>), right: (i32, Item<'e>)) -> Option<Pair<'e>> {
     let distance_q16 = right.0.abs_diff(left.0);
     match (left.1, right.1) {
-        (Item::Point(point), Item::Line { slot, gate_q16, coasting })
-        | (Item::Line { slot, gate_q16, coasting }, Item::Point(point)) => {
-            (distance_q16 <= gate_q16).then_some(Pair { point, slot, distance_q16, coasting })
+        (Item::Point(point), Item::Line { place, gate_q16, coasting })
+        | (Item::Line { place, gate_q16, coasting }, Item::Point(point)) => {
+            (distance_q16 <= gate_q16).then_some(Pair { point, place, distance_q16, coasting })
         }
         _ => None,
     }

@@ -14,7 +14,7 @@ pub(super) struct Candidate {
     pub(super) prediction: Prediction,
     /// Two edges nearer than this cannot be told apart, because of their noise or their blur, in 1/65536 px.
     pub(super) blur_q16: u32,
-    pub(super) slot: u16,
+    pub(super) place: u16,
     pub(super) polarity: Polarity,
     pub(super) role: Role,
 }
@@ -72,7 +72,7 @@ impl<const LINES: usize> Candidates<LINES> {
     }
 
     /// Leaves those that the row has not shown yet.
-    pub(super) fn leave_unseen(&mut self) {
+    pub(super) fn keep_unseen(&mut self) {
         self.lines.retain(|line| line.role != Role::Seen);
     }
 
@@ -84,8 +84,14 @@ impl<const LINES: usize> Candidates<LINES> {
             let reach_q16 = gate_q16.saturating_add(BESIDE_Q16);
             let from_q16 = column_q16.saturating_sub_unsigned(reach_q16);
             let to_q16 = column_q16.saturating_add_unsigned(reach_q16);
-            // There is room: one for each line.
-            let _ = columns.push(column(from_q16)..column(to_q16));
+            let (from, to) = (column(from_q16), column(to_q16));
+            match columns.last_mut() {
+                Some(last) if from <= last.end && to >= last.start => *last = last.start.min(from)..last.end.max(to),
+                // There is room: one for each line.
+                _ => {
+                    let _ = columns.push(from..to);
+                }
+            }
         }
     }
 
@@ -96,14 +102,14 @@ impl<const LINES: usize> Candidates<LINES> {
 
     /// Adds a line; whether it lies on the left of one before. Lines hardly ever change their order.
     pub(super) fn add(&mut self, candidate: Candidate) -> bool {
-        let is_first =
+        let is_before =
             self.lines.last().is_some_and(|last| last.prediction.column_q16 > candidate.prediction.column_q16);
         // There is room: one for each line at most.
         let _ = self.lines.push(candidate);
-        if is_first {
+        if is_before {
             self.sort_last();
         }
-        is_first
+        is_before
     }
 
     #[inline(never)]

@@ -28,4 +28,30 @@ pub struct Counters {
 impl Counters {
     pub(super) const ZERO: Self =
         Self { points: 0, stray_points: 0, dropped_points: 0, dropped_lines: 0, crowded_rows: 0 };
+
+    /// Counts points that were taken.
+    pub(crate) fn count_points(&mut self, points: u32) {
+        self.points = self.points.saturating_add(points);
+    }
+
+    /// Counts points that belong to no line.
+    pub(crate) fn count_stray(&mut self, points: u32) {
+        self.stray_points = self.stray_points.saturating_add(points);
+    }
+
+    /// Counts a row that could not be read whole.
+    pub(crate) fn count_crowded_row(&mut self) {
+        self.crowded_rows = self.crowded_rows.saturating_add(1);
+    }
+
+    /// Counts a point for which there was no room.
+    pub(crate) fn count_dropped_point(&mut self) {
+        self.dropped_points = self.dropped_points.saturating_add(1);
+    }
+
+    /// Counts a line for which there was no room, and its point.
+    pub(super) fn count_dropped_line(&mut self) {
+        self.dropped_lines = self.dropped_lines.saturating_add(1);
+        self.count_dropped_point();
+    }
 }

@@ -1,58 +1,10 @@
-//! [`Explained`]: where a row's located lines are, so that nothing of them is taken for another edge.
-
-use core::ops::Range;
+//! [`Explained`]: the scanned points of a row that are those of its located lines.
 
 use heapless::Vec;
 
-use super::tuning::{LEAST_NEAR_Q16, LOOK_BESIDE_ROWS, LOOK_FOR_NEW_ROWS};
+use super::flanks::{MAX_REACH_Q16, reach_q16};
+use super::tuning::LEAST_NEAR_Q16;
 use crate::edge::{EdgePoint, Polarity};
-
-/// Where the scanner's differences are those of located lines that stand alone, from left to right but for some that
-/// are near to each other: positions of the scanner, of which the one on the left of a pixel has its number.
-pub(crate) type Flanks<const LINES: usize> = Vec<Range<u16>, LINES>;
-
-/// Where the windows of the scanner reach into the blur of a located line.
-pub(super) fn flank(point: &EdgePoint) -> Range<u16> {
-    let half_q16 = reach_q16(point) - LEAST_REACH_Q16 + WINDOW_Q16;
-    let position = |column_q16: i32| (column_q16 >> 16).clamp(0, i32::from(u16::MAX) - 2) as u16;
-    position(point.column_q16 - half_q16)..position(point.column_q16.saturating_add(half_q16)) + 2
-}
-
-/// Adds a flank in its place; they come in order but for some.
-pub(super) fn add_flank<const LINES: usize>(flanks: &mut Flanks<LINES>, flank: Range<u16>) {
-    // There is room: one for each line.
-    if flanks.last().is_none_or(|last| last.start <= flank.start) {
-        let _ = flanks.push(flank);
-        return;
-    }
-    // It is never beyond them, which the compiler sees only so.
-    let at = flanks.partition_point(|other| other.start <= flank.start);
-    let _ = flanks.insert(at.min(flanks.len()), flank);
-}
-
-/// Whether nothing else is expected near a flank, at these columns in 1/65536 px.
-pub(super) fn is_alone(flank: &Range<u16>, mut others_q16: impl Iterator<Item = i32>) -> bool {
-    let (middle, near) = ((i32::from(flank.start) + i32::from(flank.end)) / 2, flank.len() as u32 + NEAR_PX);
-    others_q16.all(|other_q16| (other_q16 >> 16).abs_diff(middle) > near)
-}
-
-/// Whether a row that shows each line as the row before did is scanned for new ones: some are, of a mosaic of each kind.
-pub(crate) const fn looks_for_new(row: u16, is_mosaic: bool) -> bool {
-    turn(row, is_mosaic).is_multiple_of(LOOK_FOR_NEW_ROWS as u32)
-}
-
-/// Whether such a row is looked at beside its located lines as well: some of them are, or an edge that begins there would
-/// never be seen.
-pub(crate) const fn looks_beside(row: u16, is_mosaic: bool) -> bool {
-    const { assert!(LOOK_BESIDE_ROWS.is_multiple_of(LOOK_FOR_NEW_ROWS), "the others are not scanned") };
-    turn(row, is_mosaic).is_multiple_of(LOOK_BESIDE_ROWS as u32)
-}
-
-/// Counts the rows of either kind of a mosaic.
-const fn turn(row: u16, is_mosaic: bool) -> u32 {
-    // As long as a register: what is a multiple is then told without a division.
-    (if is_mosaic { row / 2 } else { row }) as u32
-}
 
 /// What the located lines of a row explain, from left to right.
 pub(super) struct Explained<const LINES: usize> {
@@ -68,25 +20,6 @@ struct Edge {
     polarity: Polarity,
     /// The scanner has found this very point, too.
     is_seen: bool,
-}
-
-/// Upper bound of [`Edge::reach_q16`].
-const MAX_REACH_Q16: i32 = 34 << 16;
-
-/// What an edge without blur reaches.
-const LEAST_REACH_Q16: i32 = 5 << 15;
-
-/// Half of the scanner's window, which sees an edge so much before its flank.
-const WINDOW_Q16: i32 = 4 << 16;
-
-/// The scanner leaves out whole spans of eight pixels: what is that near to a flank, on either side, may lie in one, or
-/// its windows.
-const NEAR_PX: u32 = 2 * 8 + 4;
-
-/// How far from its column a scanned point of a line may lie, in 1/65536 px: a row of a long blur may be wider than the
-/// blur itself can be.
-fn reach_q16(point: &EdgePoint) -> i32 {
-    (LEAST_REACH_Q16 + i32::from(point.width_q8) * 640).min(MAX_REACH_Q16)
 }
 
 impl<const LINES: usize> Explained<LINES> {
@@ -109,7 +42,8 @@ impl<const LINES: usize> Explained<LINES> {
         }
     }
 
-    /// Removes the scanned points that are explained. Returns how many of them are no line's own point once more.
+    /// Removes the scanned points that are explained. Returns how many of them are of a line that has its own point
+    /// already.
     ///
     /// The near ones first: what lies farther off is the line's own where it is the only one, else another edge's.
     pub(super) fn remove_from<const POINTS: usize>(&mut self, points: &mut Vec<EdgePoint, POINTS>) -> u32 {

@@ -2,20 +2,10 @@
 
 use super::table::Table;
 use super::track::{State, Track};
-use super::tuning::{LOOK_ROWS, models_a_row};
+use super::tuning::models_a_row;
+use super::turns::looks;
 use crate::edge::{EdgeModel, EdgePoint, Neighbours, PixelRow, Untracked};
 use crate::format::Pixels;
-use crate::setup::Response;
-
-/// Whether lines look at what is around them in a row that shows them as before.
-pub(crate) const fn looks(row: u16) -> bool {
-    row.is_multiple_of(LOOK_ROWS)
-}
-
-/// Whether they look for halos: where widths count most, what may have changed them is seen in every row.
-pub(crate) fn looks_for_halo(row: u16, response: &Response) -> bool {
-    looks(row) || response.is_linear()
-}
 
 /// Looks at what is around the confirmed lines that this row has shown, and gives the newest of those that lack one a
 /// model of their edge.
@@ -27,10 +17,10 @@ pub(super) fn look_at<P: Pixels, const LINES: usize, const KNOTS: usize>(
     points: &[EdgePoint],
 ) {
     let (is_due, mut has_to_learn) = (looks(row), false);
-    for index in 0..table.under_way().len() {
-        let Some(place) = table.under_way().get(index).copied() else { return };
+    let (places, mut tracks) = table.places_and_tracks();
+    for place in places {
         let is_seen = |track: &&mut Track<KNOTS>| track.state == State::Confirmed && track.line.last().row == row;
-        if let Some(track) = table.track_mut(place).filter(is_seen) {
+        if let Some(track) = tracks.get_mut(*place).filter(is_seen) {
             has_to_learn |= track.model.is_none();
             if is_due && !track.is_unseen() {
                 track.look_around(pixels);

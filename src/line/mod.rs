@@ -1,36 +1,41 @@
 //! From edge points to lines, in integers.
 
 mod tuning;
+mod turns;
 mod repair;
 mod row_clock;
 mod knot;
 mod halo;
 mod prominence;
 mod line;
+mod straight;
 mod split;
 mod association;
 mod filter;
 mod track;
+mod locating;
 mod continuation;
 mod table;
 mod stitch;
 mod jump;
 mod steps;
 mod counters;
+mod flanks;
 mod explained;
 mod candidates;
 mod refinement;
+mod matching;
 mod steady;
 mod learning;
 mod tracker;
 
 pub(crate) use candidates::Candidates;
 pub use counters::Counters;
-pub(crate) use explained::{Flanks, looks_beside, looks_for_new};
+pub(crate) use flanks::Flanks;
 pub(crate) use knot::Knot;
-pub(crate) use learning::{looks, looks_for_halo};
 pub use line::{Line, OutOfOrder};
+pub(crate) use locating::RowTime;
 pub use repair::{Repair, Repaired, Strict};
 pub(crate) use row_clock::RowClock;
-pub(crate) use track::RowTime;
 pub(crate) use tracker::Tracker;
+pub(crate) use turns::{looks, looks_beside, looks_for_halo, looks_for_new};

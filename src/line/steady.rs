@@ -3,8 +3,9 @@
 
 use heapless::Vec;
 
+use super::locating::{RowTime, SeenRow};
 use super::table::{Table, Tracks};
-use super::track::{RowTime, SeenRow, State, Track};
+use super::track::{State, Track};
 use crate::edge::{EdgePoint, Neighbours, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
@@ -42,19 +43,21 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
         left_q16 = left_q16.max(own_q16);
         own_q16 = around.right_q16;
         let Some(track) = tracks.get_mut(*place) else { continue };
-        if !track.locate_steady(&row, &around) {
+        let is_young = if track.locate_steady(&row, &around) {
+            track.is_young()
+        } else {
             let beside = [index.checked_sub(1), index.checked_add(1)].map(|index| places.get(index?).copied());
             match locate_between(&mut tracks, *place, beside, &row, &around) {
-                Some(true) => {}
+                Some(true) => tracks.get(*place).is_some_and(Track::is_young),
                 Some(false) => {
                     let _ = missed.push(*place);
                     continue;
                 }
                 None => continue,
             }
-        }
+        };
         located.lines += 1;
-        located.has_young |= tracks.get(*place).is_some_and(Track::is_young);
+        located.has_young |= is_young;
     }
     located
 }

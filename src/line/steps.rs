@@ -1,6 +1,7 @@
 //! [`Steps`]: whether edges go on a step aside wherever the light changes, since then it is pulsed; and which lines begin or end
 //! there.
 
+use super::table::Table;
 use super::track::{State, Track};
 use super::tuning::{CUT_SHARE, LEAST_STEP_Q16, LEAST_STEPS, MOST_PULSE_Q16, STEP_ROWS, YOUNG_POINTS};
 use crate::edge::Light;
@@ -33,16 +34,35 @@ impl Steps {
         self.light.take(row, pixels, noise_q8);
     }
 
-    /// Whether lines that begin or break off near the last change of the light may do so because of it: where nearly all go on,
-    /// the light is steady.
-    pub(super) fn cut_lines<'t, const KNOTS: usize>(
+    /// Marks the lines under way that begin or break off where the light has changed.
+    pub(super) fn mark_cut<const LINES: usize, const KNOTS: usize>(&self, table: &mut Table<LINES, KNOTS>, row: u16) {
+        if !(self.is_near_change(row)
+            && self.light.has_changed()
+            && self.is_cut_by_light(table.tracks_under_way(), row))
+        {
+            return;
+        }
+        let (places, mut tracks) = table.places_and_tracks();
+        for place in places {
+            let Some(track) = tracks.get_mut(*place) else { continue };
+            track.line.begins_with_light |= self.has_begun(track, row);
+            if self.has_broken_off(track, row) {
+                track.line.left_by_light = Some(track.line.last().row);
+            }
+        }
+    }
+
+    /// Whether the light has changed so lately that lines may tell it.
+    fn is_near_change(&self, row: u16) -> bool {
+        self.rows > 0 && row.abs_diff(self.light.changed_row()) <= STEP_ROWS
+    }
+
+    /// Whether lines that begin or break off there may do so because of it: where nearly all go on, the light is steady.
+    fn is_cut_by_light<'t, const KNOTS: usize>(
         &self,
         tracks: impl Iterator<Item = &'t Track<KNOTS>>,
         row: u16,
     ) -> bool {
-        if !self.light.has_changed() {
-            return false;
-        }
         let (mut cut, mut going_on) = (0_u32, 0_u32);
         for track in tracks.filter(|track| track.state != State::Tentative) {
             if self.is_with_light(track.line.first().row, row) || self.has_broken_off(track, row) {
@@ -55,12 +75,12 @@ impl Steps {
     }
 
     /// Whether the light has cut the beginning of a line that `row` has made old enough to tell where that is.
-    pub(super) fn has_begun<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
+    fn has_begun<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
         is_asked(track, row) && self.is_with_light(track.line.first().row, row)
     }
 
     /// Whether the light has cut the end of a line that has not been seen for some rows.
-    pub(super) fn has_broken_off<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
+    fn has_broken_off<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
         !goes_on(track, row) && self.is_with_light(track.line.last().row, row)
     }
 
@@ -82,12 +102,12 @@ impl Steps {
         tracks: impl Iterator<Item = &'t Track<KNOTS>> + Clone,
         row: u16,
     ) {
-        if row.abs_diff(self.light.changed_row()) > STEP_ROWS {
+        if !self.is_near_change(row) {
             return;
         }
         for young in tracks.clone().filter(|track| is_asked(track, row)) {
             let older = tracks.clone().filter(|older| is_before(older, young, row));
-            let Some(nearest) = older.min_by_key(|older| aside_q16(older, young, row).abs()) else { continue };
+            let Some(nearest) = older.min_by_key(|older| aside_q16(older, young, row).unsigned_abs()) else { continue };
             let aside_q16 = i64::from(aside_q16(nearest, young, row));
             let is_near = aside_q16.abs() <= MOST_PULSE_Q16;
             let is_aside = is_near && aside_q16.abs() >= LEAST_STEP_Q16;

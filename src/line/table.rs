@@ -19,6 +19,8 @@ pub(super) struct Table<const LINES: usize, const KNOTS: usize> {
     ended: Vec<u16, LINES, u16>,
     /// So many of the latter are split into their straight parts.
     split: u16,
+    /// So many of them are of frames before.
+    earlier: u16,
     /// No place before this one is free.
     occupied: usize,
 }
@@ -49,7 +51,7 @@ impl<const KNOTS: usize> Slot<KNOTS> {
     }
 }
 
-/// The lines in a table, which its lists of places outlive.
+/// The lines in a table, beside its lists of places.
 pub(super) struct Tracks<'t, const KNOTS: usize>(&'t mut [Slot<KNOTS>]);
 
 impl<const KNOTS: usize> Tracks<'_, KNOTS> {
@@ -67,7 +69,14 @@ impl<const KNOTS: usize> Tracks<'_, KNOTS> {
 impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     pub(super) const fn new() -> Self {
         const { assert!(LINES > 0 && LINES < u16::MAX as usize, "1 to 65534 lines") };
-        Self { slots: [const { Slot::Free }; LINES], under_way: Vec::new(), ended: Vec::new(), split: 0, occupied: 0 }
+        Self {
+            slots: [const { Slot::Free }; LINES],
+            under_way: Vec::new(),
+            ended: Vec::new(),
+            split: 0,
+            earlier: 0,
+            occupied: 0,
+        }
     }
 
     pub(super) fn track(&self, place: u16) -> Option<&Track<KNOTS>> {
@@ -83,9 +92,19 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
         (&self.under_way, Tracks(&mut self.slots))
     }
 
-    /// All lines, in the order of their places.
-    pub(super) fn tracks_mut(&mut self) -> impl Iterator<Item = &mut Track<KNOTS>> {
-        self.slots.iter_mut().filter_map(Slot::track_mut)
+    /// Changes each line of the frame under way, also those that have ended.
+    pub(super) fn each_of_frame(&mut self, change: impl Fn(&mut Track<KNOTS>)) {
+        let ended = self.ended.iter().skip(self.earlier.into());
+        for place in self.under_way.iter().chain(ended) {
+            if let Some(track) = self.slots.get_mut(usize::from(*place)).and_then(Slot::track_mut) {
+                change(track);
+            }
+        }
+    }
+
+    /// Lines that come from now on are of another frame.
+    pub(super) fn end_frame(&mut self) {
+        self.earlier = self.ended.len() as u16;
     }
 
     /// The places of the lines under way.
@@ -216,7 +235,8 @@ impl<const LINES: usize, const KNOTS: usize> Table<LINES, KNOTS> {
     /// Takes the line that has ended last.
     pub(super) fn next_line(&mut self) -> Option<Line<KNOTS>> {
         let place = self.ended.pop()?;
-        self.split = self.split.min(self.ended.len() as u16);
+        let left = self.ended.len() as u16;
+        (self.split, self.earlier) = (self.split.min(left), self.earlier.min(left));
         self.take(place).map(|track| track.line)
     }
 

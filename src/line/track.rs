@@ -8,7 +8,7 @@ use super::tuning::{
     GATE_POINTS, MAX_GATE_Q16, MOST_GUESSED_ROWS, MOST_STITCH_POINTS, MOST_UNEXPECTED_POINTS, SCATTER_POINTS,
     YOUNG_POINTS,
 };
-use crate::edge::{EdgeModel, EdgePoint, Expectation, LocatedPoint, Neighbours, PixelRow, Untracked, UsualPoint};
+use crate::edge::{EdgeModel, EdgePoint, PixelRow, Untracked};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -22,8 +22,8 @@ pub(crate) struct Track<const KNOTS: usize> {
     /// Levels, blur and noise of the edge, once the line is confirmed, where there are pixels.
     pub(crate) model: Option<EdgeModel>,
     pub(super) missed_rows: u16,
-    /// Points since the last one that the model has located.
-    unexpected_points: u8,
+    /// Points since the last one that a model has located, and since it began.
+    pub(super) unexpected_points: u8,
     around: Around,
 }
 
@@ -61,7 +61,6 @@ impl<const KNOTS: usize> Track<KNOTS> {
     pub(crate) fn predict(&self, row: u16, limits: &Limits) -> Prediction {
         let rows = row.abs_diff(self.line.last().row);
         let gate_q16 = match rows {
-            0 => 0,
             1 => self.next_gate_q16(),
             _ => self.gate_after(rows, self.memory(), limits),
         };
@@ -75,7 +74,7 @@ impl<const KNOTS: usize> Track<KNOTS> {
     }
 
     /// Whether its gate may have changed where its points are as sure as before.
-    const fn has_gate_to_renew(&self) -> bool {
+    pub(super) const fn has_gate_to_renew(&self) -> bool {
         let points = self.line.points;
         points <= GATE_POINTS || points.is_multiple_of(GATE_POINTS)
     }
@@ -109,13 +108,13 @@ impl<const KNOTS: usize> Track<KNOTS> {
         (4 * self.row_sigma_q16()).max(u32::from(self.line.last().width_q8) << 9)
     }
 
-    fn memory(&self) -> Memory {
+    pub(super) fn memory(&self) -> Memory {
         let rows = self.line.last().row.abs_diff(self.line.first().row).saturating_add(1);
         Memory::of(self.line.points(), rows)
     }
 
-    /// Counts a row without an edge.
-    pub(crate) fn has_missed_too_many(&mut self, limits: &Limits) -> bool {
+    /// Counts a row without an edge, and hides the line. Whether there are too many of them.
+    pub(crate) fn misses_row(&mut self, limits: &Limits) -> bool {
         self.missed_rows = self.missed_rows.saturating_add(1);
         if self.state == State::Confirmed && self.model.is_some() && self.missed_rows > MOST_GUESSED_ROWS {
             self.state = State::Hidden;
@@ -201,138 +200,14 @@ impl<const KNOTS: usize> Track<KNOTS> {
         let is_as_sure = point.sigma_q16 == self.line.last.sigma_q16;
         self.line.push_next(point.row, point.time_ns, point.column_q16, point.sigma_q16, point.width_q8);
         self.filter.follow_next(point.column_q16 - predicted_q16, predicted_q16, self.memory());
-        self.missed_rows = 0;
         if !is_as_sure || self.has_gate_to_renew() {
             self.renew_gate_in_time(limits);
         }
     }
 
-    /// Whether its model may look for it in the row after the last one.
-    pub(super) fn goes_on_in(&self, row: u16) -> bool {
-        self.model.is_some() && row.abs_diff(self.line.last.row) == 1
-    }
-
-    /// Takes the edge's point in a row that shows it as the rows before did, alone between its neighbours. Else the row
-    /// has to be looked at closely.
-    #[inline(never)]
-    pub(super) fn locate_steady<P: Pixels>(&mut self, row: &SeenRow<'_, P>, around: &Neighbours) -> bool {
-        if !self.goes_on_in(row.at.row) || self.line.is_beside_texture {
-            return false;
-        }
-        let expected = self.expected_next(row.at);
-        let around = self.line.untracked.among(*around, expected.column_q16);
-        let (Some(bytes), Some(model)) = (row.quick_bytes(), &mut self.model) else { return false };
-        let Some(found) = model.locate_usual(bytes, expected, &around) else { return false };
-        self.take_next(&found, expected.column_q16, row.at, row.limits);
-        true
-    }
-
-    /// Takes the edge's point in the row after the last one, if its model finds it there between its neighbours. `None`
-    /// where one of them is near and no edge for sure.
-    pub(super) fn locate_between<P: Pixels>(
-        &mut self,
-        row: &SeenRow<'_, P>,
-        around: &Neighbours,
-        are_edges: [bool; 2],
-    ) -> Option<bool> {
-        let SeenRow { at, limits, .. } = row;
-        let expected = self.expected_next(at);
-        let Expectation { column_q16, gate_q16, .. } = expected;
-        let model = self.model.as_mut()?;
-        if !around.are_far_but_for(are_edges, model.far_q16(), column_q16) {
-            return None;
-        }
-        if let Some(bytes) = row.quick_bytes().filter(|_| !self.line.is_beside_texture)
-            && let Some(found) = model.locate_near(bytes, expected, &self.line.untracked.among(*around, column_q16))
-        {
-            self.take_next_apart(&found, column_q16, at, limits);
-            return Some(true);
-        }
-        Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, **at, row.pixels, *around, limits))
-    }
-
-    /// [`Self::take_next`] in code of its own: few rows come here.
-    #[inline(never)]
-    fn take_next_apart(&mut self, found: &UsualPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
-        self.take_next(found, predicted_q16, at, limits);
-    }
-
-    /// Takes what the next row shows as the rows before did.
-    #[inline(always)]
-    fn take_next(&mut self, found: &UsualPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
-        let UsualPoint { at: LocatedPoint { column_q16, sigma_q16, width_q8 }, overshoot } = *found;
-        if let Some(overshoot) = overshoot {
-            self.line.prominence.add_overshoot(overshoot);
-        }
-        // A row that disagrees with its line weighs less.
-        let off_q16 = column_q16.abs_diff(predicted_q16);
-        self.line.push_next(at.row, at.time_ns, column_q16, sigma_q16.max(off_q16 / 2), width_q8);
-        self.unexpected_points = 0;
-        let (off_q16, memory) = (column_q16 - predicted_q16, self.memory());
-        self.filter.scatter(off_q16, memory);
-        self.filter.follow_next(off_q16, predicted_q16, memory);
-        if self.has_gate_to_renew() {
-            self.renew_gate_in_time(limits);
-        }
-    }
-
-    /// Where the next row should show it.
-    fn expected_next(&self, at: &RowTime) -> Expectation {
-        Expectation {
-            column_q16: self.next_column_q16(),
-            gate_q16: self.next_gate_q16(),
-            looks_for_halo: at.looks_for_halo,
-        }
-    }
-
     #[inline(never)] // seldom
-    fn renew_gate_in_time(&mut self, limits: &Limits) {
+    pub(super) fn renew_gate_in_time(&mut self, limits: &Limits) {
         self.renew_gate(self.memory(), limits);
-    }
-
-    /// Takes the edge's point in a row of pixels, if its model finds it there.
-    #[inline(never)]
-    pub(crate) fn locate<P: Pixels>(
-        &mut self,
-        prediction: &Prediction,
-        at: RowTime,
-        row: PixelRow<'_, P>,
-        around: Neighbours,
-        limits: &Limits,
-    ) -> bool {
-        let Some(model) = &mut self.model else { return false };
-        let around = self.line.untracked.among(around, prediction.column_q16);
-        let Some(found) = model.locate(row, prediction.column_q16, prediction.gate_q16, 0, around) else {
-            return false;
-        };
-        if model.is_surely_beside_texture() && !self.line.is_beside_texture {
-            // What holds from now on held for the rows before as well.
-            self.line.is_beside_texture = true;
-            self.line.raise_sigmas(self.stated_sigma_q16(0));
-        }
-        if at.looks_for_halo
-            && let Some(overshoot) = self.model.as_ref().and_then(|model| model.overshoot(&row, &found))
-        {
-            self.line.prominence.add_overshoot(overshoot);
-        }
-        self.take_located(&found, prediction.column_q16, &at, limits)
-    }
-
-    /// Takes what its model has found.
-    #[inline(never)]
-    fn take_located(&mut self, found: &LocatedPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) -> bool {
-        self.unexpected_points = 0;
-        // A row that disagrees with its line weighs less.
-        let off_q16 = found.column_q16.abs_diff(predicted_q16);
-        let point = EdgePoint {
-            time_ns: at.time_ns,
-            column_q16: found.column_q16,
-            sigma_q16: self.stated_sigma_q16(found.sigma_q16.max(off_q16 / 2).min(EdgePoint::MAX_SIGMA_Q16)),
-            row: at.row,
-            width_q8: found.width_q8,
-            polarity: self.line.last().polarity,
-        };
-        self.take(point, limits)
     }
 
     /// Whether this row has shown it, and it has no model yet.
@@ -361,30 +236,4 @@ impl<const KNOTS: usize> Track<KNOTS> {
         const MOST: u16 = if YOUNG_POINTS > MOST_STITCH_POINTS { YOUNG_POINTS } else { MOST_STITCH_POINTS };
         self.state == State::Confirmed && self.line.points() <= MOST
     }
-}
-
-/// A row in which steady lines are located.
-pub(super) struct SeenRow<'p, P> {
-    pub(super) at: &'p RowTime,
-    pub(super) pixels: PixelRow<'p, P>,
-    /// [`PixelRow::quick_bytes`].
-    pub(super) bytes: Option<&'p [u8]>,
-    pub(super) limits: &'p Limits,
-}
-
-impl<'p, P: Pixels> SeenRow<'p, P> {
-    /// Its bytes, in a way that leaves out what is made for them where the format never has any.
-    #[inline(always)]
-    fn quick_bytes(&self) -> Option<&'p [u8]> {
-        if P::HAS_QUICK_WAYS { self.bytes } else { None }
-    }
-}
-
-/// A row and the middle of its exposure.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RowTime {
-    pub(crate) row: u16,
-    pub(crate) time_ns: i64,
-    /// Whether lines look how far their levels overshoot there.
-    pub(crate) looks_for_halo: bool,
 }

@@ -4,22 +4,25 @@ use core::marker::PhantomData;
 
 use heapless::Vec;
 
-use super::association::{Association, Outcome, Pair};
 use super::candidates::{Candidate, Candidates, Role};
 use super::counters::Counters;
-use super::explained::{Explained, Flanks, add_flank, flank, is_alone};
+use super::explained::Explained;
+use super::flanks::{Flanks, add_flank, flank, is_alone};
 use super::jump::Jump;
 use super::learning::look_at;
 use super::line::Line;
+use super::locating::RowTime;
+use super::matching::match_points;
 use super::refinement::Refinement;
 use super::repair::{Repair, Repaired};
 use super::steady::{Located, Missed, locate_steady, take_steady};
 use super::steps::Steps;
 use super::stitch::stitch_all;
 use super::table::Table;
-use super::track::{RowTime, State, Track};
-use super::tuning::{HIDDEN_ROWS, YOUNG_POINTS};
-use crate::edge::{EdgePoint, PixelRow, Polarity};
+use super::track::{State, Track};
+use super::tuning::YOUNG_POINTS;
+use super::turns::has_turn;
+use crate::edge::{EdgePoint, PixelRow};
 use crate::format::Pixels;
 use crate::setup::{Limits, Readout};
 
@@ -88,7 +91,8 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     ) -> Option<u16> {
         self.table.look_for_places();
         if !points.is_empty() {
-            self.match_points(limits, candidates, points, &mut Refinement::new(refine, row, points.len(), candidates));
+            let mut refinement = Refinement::new(refine, row, points.len(), candidates);
+            match_points(&mut self.table, &mut self.counters, limits, candidates, points, &mut refinement);
         }
         self.finish_row(limits, columns, row)
     }
@@ -102,15 +106,13 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
 
     /// Stitches lines where this row has shown a young one; a row at which all of them jump.
     fn stitch(&mut self, limits: &Limits, columns: u16, row: u16, has_young: bool) -> Option<u16> {
+        if R::REPAIRS {
+            self.steps.mark_cut(&mut self.table, row);
+        }
         if !(R::REPAIRS && has_young) {
             return None;
         }
         self.steps.count(self.table.tracks_under_way(), row);
-        if self.steps.cut_lines(self.table.tracks_under_way(), row) {
-            for young in self.table.tracks_mut().filter(|track| self.steps.has_begun(track, row)) {
-                young.line.begins_with_light = true;
-            }
-        }
         let jump = self.jump(columns, row).or_else(|| self.steps.are_of_pulses().then_some(row));
         stitch_all(&mut self.table, limits, row);
         jump
@@ -140,25 +142,25 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     ) -> bool {
         let mut missed = Missed::new();
         let Located { lines, has_young } = locate_steady(&mut self.table, limits, &at, &pixels, &mut missed);
-        self.count_points(lines as u32);
+        self.counters.count_points(lines as u32);
         if lines == self.table.under_way().len() {
             return !has_young;
         }
         self.expect(limits, at.row, candidates);
         let mut located = 0;
         for index in 0..candidates.len() {
-            let Some(Candidate { prediction, slot, role, .. }) = candidates.get(index) else { continue };
-            let is_sought = *role == Role::Confirmed && !prediction.coasting && !missed.contains(slot);
+            let Some(Candidate { prediction, place, role, .. }) = candidates.get(index) else { continue };
+            let is_sought = *role == Role::Confirmed && !prediction.coasting && !missed.contains(place);
             if is_sought
-                && let Some(track) = self.table.track_mut(*slot)
+                && let Some(track) = self.table.track_mut(*place).filter(|track| track.model.is_some())
                 && track.locate(prediction, at, pixels, candidates.around(index), limits)
             {
                 candidates.see(index);
                 located += 1;
             }
         }
-        self.count_points(located);
-        candidates.leave_unseen();
+        self.counters.count_points(located);
+        candidates.keep_unseen();
         false
     }
 
@@ -182,8 +184,8 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         }
         let last = self.table.tracks_under_way().map(|track| track.line.last());
         let strays = Explained::<LINES>::by(last.filter(|point| point.row == row)).remove_from(points);
-        self.count_points(strays);
-        self.count_stray(strays);
+        self.counters.count_points(strays);
+        self.counters.count_stray(strays);
     }
 
     /// Whether no place is free for another line.
@@ -216,16 +218,14 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     /// Takes the times of all lines of this frame from the readout.
     #[inline(never)] // seldom
     pub(crate) fn retime(&mut self, readout: &Readout) {
-        for track in self.table.tracks_mut() {
-            track.line.retime(readout);
-        }
+        self.table.each_of_frame(|track| track.line.retime(readout));
     }
 
     /// Forgets all lines under way because the frame is torn. Their points are stray.
     pub(crate) fn abandon(&mut self) {
         while let Some(place) = self.table.leave_out_last() {
             let strays = self.table.forget(place);
-            self.count_stray(strays);
+            self.counters.count_stray(strays);
         }
     }
 
@@ -239,9 +239,10 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
                 track.line.left_by_light = None;
             }
             let strays = self.table.finish(place);
-            self.count_stray(strays);
+            self.counters.count_stray(strays);
         }
         self.split_ended();
+        self.table.end_frame();
     }
 
     /// Splits the lines that have ended into their straight parts: before they are asked for, since a row has no time for
@@ -249,7 +250,7 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     pub(crate) fn split_ended(&mut self) {
         if R::REPAIRS {
             let strays = self.table.split_ended();
-            self.count_stray(strays);
+            self.counters.count_stray(strays);
         }
     }
 
@@ -273,24 +274,8 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         &self.counters
     }
 
-    /// Counts points that were taken.
-    pub(crate) fn count_points(&mut self, points: u32) {
-        self.counters.points = self.counters.points.saturating_add(points);
-    }
-
-    /// Counts points that belong to no line.
-    pub(crate) fn count_stray(&mut self, points: u32) {
-        self.counters.stray_points = self.counters.stray_points.saturating_add(points);
-    }
-
-    /// Counts a row that could not be read whole.
-    pub(crate) fn count_crowded_row(&mut self) {
-        self.counters.crowded_rows = self.counters.crowded_rows.saturating_add(1);
-    }
-
-    /// Counts a point for which there was no room.
-    pub(crate) fn count_dropped_point(&mut self) {
-        self.counters.dropped_points = self.counters.dropped_points.saturating_add(1);
+    pub(crate) const fn counters_mut(&mut self) -> &mut Counters {
+        &mut self.counters
     }
 
     /// Adds the lines under way, also those that the row has shown: they are neighbours of the others. Where there is no
@@ -306,13 +291,13 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
                     _ => Role::Confirmed,
                 };
                 let prediction = match role {
-                    Role::Waiting => track.column_only(row),
+                    Role::Waiting | Role::Seen => track.column_only(row),
                     _ => track.predict(row, limits),
                 };
                 has_moved |= candidates.add(Candidate {
                     prediction,
                     blur_q16: track.blur_q16(),
-                    slot: *place,
+                    place: *place,
                     polarity: track.line.last().polarity,
                     role,
                 });
@@ -321,82 +306,7 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         candidates.coast_beside_each_other();
         // On the next row they are sorted.
         if has_moved && candidates.len() == self.table.under_way().len() {
-            self.table.set_order(candidates.iter().map(|candidate| candidate.slot));
-        }
-    }
-
-    /// Confirmed lines are associated first and tentative ones with the points that are left, so that clutter beside a
-    /// confirmed line does not take its points. A point without a line starts one. From left to right, whatever their
-    /// polarity: a full table then holds edges side by side, which tell each other's plateaus.
-    #[inline(never)] // what it needs leaves the stack before lines are ended and stitched
-    fn match_points(
-        &mut self,
-        limits: &Limits,
-        candidates: &Candidates<LINES>,
-        points: &[EdgePoint],
-        refinement: &mut Refinement<'_>,
-    ) {
-        let lines = |role, polarity| {
-            let among = move |candidate: &&Candidate| candidate.role == role && candidate.polarity == polarity;
-            candidates.iter().filter(among).map(|candidate| (candidate.prediction, candidate.slot))
-        };
-        let mut polarities = [Polarity::Rising, Polarity::Falling, Polarity::Unknown].map(|polarity| {
-            let over = |role| Association::over(lines(role, polarity));
-            (polarity, over(Role::Confirmed), over(Role::Tentative))
-        });
-        for point in points {
-            let of_point = polarities.iter_mut().find(|(polarity, ..)| *polarity == point.polarity);
-            let Some((_, confirmed, tentative)) = of_point else { continue };
-            confirmed.point(point, &mut |settled| match settled {
-                Outcome::Matched(pair) => self.join(&pair, limits, refinement),
-                Outcome::Unmatched(point) => {
-                    tentative.point(point, &mut |settled| self.settle(&settled, limits, refinement))
-                }
-            });
-        }
-        for (_, confirmed, mut tentative) in polarities {
-            confirmed.finish(&mut |settled| match settled {
-                Outcome::Matched(pair) => self.join(&pair, limits, refinement),
-                Outcome::Unmatched(point) => {
-                    tentative.point(point, &mut |settled| self.settle(&settled, limits, refinement))
-                }
-            });
-            tentative.finish(&mut |settled| self.settle(&settled, limits, refinement));
-        }
-    }
-
-    fn settle(&mut self, settled: &Outcome<'_>, limits: &Limits, refinement: &mut Refinement<'_>) {
-        match settled {
-            Outcome::Matched(pair) => self.join(pair, limits, refinement),
-            Outcome::Unmatched(point) => self.begin(point, limits, refinement),
-        }
-    }
-
-    fn join(&mut self, pair: &Pair<'_>, limits: &Limits, refinement: &mut Refinement<'_>) {
-        if pair.coasting {
-            self.count_stray(1);
-            return;
-        }
-        let point = refinement.for_line(pair.point, pair.slot);
-        if !self.table.track_mut(pair.slot).is_some_and(|track| track.take_scanned(&point, limits)) {
-            self.begin(&point, limits, refinement);
-        }
-    }
-
-    /// Starts a tentative line, if there is room.
-    fn begin(&mut self, point: &EdgePoint, limits: &Limits, refinement: &mut Refinement<'_>) {
-        if self.table.is_full() || !self.table.begin(refinement.for_first(point), limits) {
-            self.counters.dropped_lines = self.counters.dropped_lines.saturating_add(1);
-            self.count_dropped_point();
-        }
-    }
-
-    /// Marks the lines that have broken off with the light.
-    fn mark_broken_off(&mut self, row: u16) {
-        if self.steps.cut_lines(self.table.tracks_under_way(), row) {
-            for old in self.table.tracks_mut().filter(|track| self.steps.has_broken_off(track, row)) {
-                old.line.left_by_light = Some(old.line.last().row);
-            }
+            self.table.set_order(candidates.iter().map(|candidate| candidate.place));
         }
     }
 
@@ -410,17 +320,14 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
         let (mut index, mut has_young) = (0, false);
         let is_dark = R::REPAIRS && self.is_dark(row);
-        if R::REPAIRS {
-            self.mark_broken_off(row);
-        }
         while let Some(place) = self.table.under_way().get(index).copied() {
             if let Some(track) = self.table.track_mut(place) {
                 if track.line.last().row == row {
                     has_young |= track.is_young();
-                } else if !(is_dark && track.state != State::Tentative) && track.has_missed_too_many(limits) {
+                } else if !(is_dark && track.state != State::Tentative) && track.misses_row(limits) {
                     self.table.leave_out(index);
                     let strays = self.table.finish(place);
-                    self.count_stray(strays);
+                    self.counters.count_stray(strays);
                     continue;
                 }
             }
@@ -428,9 +335,4 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         }
         has_young
     }
-}
-
-/// Whether it is the row in which the hidden line of a place may be found where there is no room to stitch.
-const fn has_turn(place: u16, row: u16) -> bool {
-    place.wrapping_add(row).is_multiple_of(HIDDEN_ROWS)
 }
