@@ -73,9 +73,10 @@
 //! in the paper's set-up, thirty times the noise of columns that are good to 0.1 px. The columns of a single frame
 //! cannot tell the two apart, so the tilt is a third unknown with a prior ([`Uncertainty::sigma_tilt`], 0.1° unless you
 //! know better), and sigma includes it. What does tell them apart in the same frame is motion blur: a moving edge is
-//! smeared over its path during the exposure, whatever its lean ([`MotionBlur`]). With a known exposure the blur is one
-//! more measurement in the same least squares, and an edge whose blur contradicts its slope is refused. Several frames
-//! of a moving camera measure the tilt ([`Sequence`]). An object that moves at constant velocity looks like a static
+//! smeared over its path during the exposure, whatever its lean ([`MotionBlur`]). With a known exposure an edge whose blur
+//! contradicts its slope is refused; where widths can be trusted, too ([`Response::Linear`], or a
+//! [`sigma_blur`](MotionBlur::sigma_blur) below 0.25), the blur is one more measurement in the same least squares. Several
+//! frames of a moving camera measure the tilt ([`Sequence`]). An object that moves at constant velocity looks like a static
 //! one at another distance until the camera's velocity changes.
 //!
 //! Errors that all edges of a frame share, such as that of a wrong speed, do not average out over edges; [`Budget`]
@@ -85,9 +86,9 @@
 //!
 //! Scanning and tracking use integers only. The solver runs on any [`Scalar`]; a back end is a type, and a feature adds
 //! it. Every number that is handed out is finite. Next to `f64`, `f32` and `Micro` are off by less than a tenth, `Q32`
-//! by less than 1/500 of the sigma that columns of 0.05 px leave (`cargo test accuracy`). Where the last digits decide,
+//! by less than 0.03 of the sigma that columns of 0.05 px leave (`cargo test accuracy`). Where the last digits decide,
 //! back ends may differ in the status: `f32` and `Micro` in one of a thousand lines that fix no depth, `Q32` in one of
-//! 250, and each in less than one of a thousand lines of upright edges (`cargo test agreement`).
+//! 40, and each in less than one of a thousand lines of upright edges (`cargo test agreement`).
 //!
 //! | feature | adds |
 //! | --- | --- |

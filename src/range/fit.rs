@@ -11,7 +11,7 @@
 //! β, the lean of the edge in the image plane, is the third unknown, with a prior. Every round linearises about the
 //! last estimate, so that the sums hold small residuals (single precision suffices) and the regressor q does not share
 //! the noise of the observation (no bias in forward motion). The rounds are solved by orthogonalisation: inverting the
-//! 3 × 3 normal matrix, whose condition is 10⁴ to 10⁶, would return nonsense in single precision.
+//! 3 × 3 normal matrix, whose condition is 10⁴ to 10⁵, would return nonsense in single precision.
 
 use heapless::Vec;
 
@@ -40,7 +40,7 @@ use crate::setup::Setup;
 ///
 /// *Errors*: see [`FitError`]. A motion that says nothing is no error: sigma is then [`Scalar::UNKNOWN`].
 ///
-/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly three, more where the
+/// *Cost*: a pose and a ray per sample, then rounds of about 100 operations per sample: mostly two, more where the
 /// tilt is free or outliers must be rejected. docs/budget.md has instructions and stack.
 ///
 /// *Source*: `m · (P0 − p(t)) = 0`, docs/model.md, section 3; for a level camera in translation along x this is the

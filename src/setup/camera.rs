@@ -88,9 +88,9 @@ const MAX_SIZE: u16 = 32_767;
 impl<S: Scalar> Camera<S> {
     /// A camera whose parameters have been checked.
     ///
-    /// *Errors*: an empty image or one beyond 32767 pixels; a focal length that is not positive; a principal point
-    /// further than one image size outside; a distortion that folds over inside the image, so that two directions
-    /// would share a pixel.
+    /// *Errors*: an empty image or one beyond 32767 pixels; a focal length outside 1 to 10⁶ px; a principal point
+    /// further than one image size outside; a coefficient of the distortion that is not finite or beyond 1000; a
+    /// distortion that folds over inside the image, so that two directions would share a pixel.
     ///
     /// *Cost*: a few operations, or 512 inversions of the distortion.
     // Inlined, so that a program in which all lenses have none, as it can be seen, holds nothing of the distortion.

@@ -8,13 +8,13 @@ use crate::error::ParameterError;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct Limits {
-    /// Steepest slope of a line when it is confirmed, in 1/65536 px of column per row.
+    /// Steepest slope of a line when it is confirmed, in 1/65536 px of column per row, at most 1024 px.
     pub max_slope_q16: u32,
     /// Half-width of the gate: how far a point may lie from the predicted column, beyond four sigma of its noise, in
-    /// 1/65536 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows of pixels the
+    /// 1/65536 px, at most 1024 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows of pixels the
     /// gate is also at most four sigma of the scatter of the line's own points.
     pub gate_q16: u32,
-    /// Points after which a tentative line is confirmed.
+    /// Points after which a tentative line is confirmed: at least 2.
     pub confirm_points: u16,
     /// Consecutive rows without a point after which a tentative line is dropped.
     pub tentative_gap_rows: u16,
@@ -22,12 +22,13 @@ pub struct Limits {
     /// more rows for each of its points if they were found in rows of pixels, by half a row for each if they were
     /// handed over as points.
     pub gap_rows: u16,
-    /// Points that make a range: a line of fewer is [`Short`](crate::RangeStatus::Short).
+    /// Points that make a range, at least 3: a line of fewer is [`Short`](crate::RangeStatus::Short).
     pub min_points: u16,
-    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px, is `bent`: by two
-    /// sigma of its noise beyond it. Smaller departures enlarge sigma instead.
+    /// A line of which a knot departs by more than this from the best straight edge, in 1/65536 px and at most
+    /// 1024 px, is `bent`: by two sigma of its noise beyond it. Smaller departures enlarge sigma instead.
     pub max_departure_q16: u32,
-    /// In a sequence whose parallax has measured it, an edge may lean by this slope, in 1/65536, and stay `ok`.
+    /// In a sequence whose parallax has measured it, an edge may lean by this slope, in 1/65536 and at most 1024, and stay
+    /// `ok`.
     pub max_lean_q16: u32,
 }
 

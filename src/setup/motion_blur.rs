@@ -18,7 +18,7 @@ pub struct MotionBlur<S> {
     pub lens_blur_px: S,
     /// One standard deviation of `lens_blur_px`, in pixels.
     pub sigma_lens_blur_px: S,
-    /// How far the width of an edge can be trusted: one sigma of ln(measured / expected width). `None`: 0.02 where
+    /// How far the width of an edge can be trusted: one sigma of ln(measured / expected width), 0 to 10. `None`: 0.02 where
     /// [`Response::Linear`](crate::Response::Linear) is stated, else 0.25, since what a camera does to its pixels
     /// changes widths by 5 to 50 %, and more where an edge's levels overshoot, as sharpening makes them. What a camera
     /// does is common to all edges of a frame: from 0.25 on, a width may refuse a slope as

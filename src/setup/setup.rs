@@ -91,7 +91,8 @@ impl<S: Scalar> Setup<S> {
     /// The same with a known exposure: edges whose blur contradicts their slope are then
     /// [`Leaning`](crate::RangeStatus::Leaning).
     ///
-    /// *Errors*: an exposure or a blur that is negative, not finite, or beyond 60 s and 1000 px.
+    /// *Errors*: an exposure or a blur that is negative, not finite, or beyond 60 s and 1000 px; a
+    /// [`sigma_blur`](MotionBlur::sigma_blur) outside 0 to 10.
     pub fn with_motion_blur(self, motion_blur: MotionBlur<S>) -> Result<Self, ParameterError> {
         motion_blur.check()?;
         Ok(Self { motion_blur: Some(motion_blur), ..self })
@@ -130,7 +131,7 @@ impl<S: Scalar> Setup<S> {
 
     /// The same with other limits.
     ///
-    /// *Errors*: limits out of range.
+    /// *Errors*: a limit outside the range that its field states.
     pub fn with_limits(self, limits: Limits) -> Result<Self, ParameterError> {
         limits.check()?;
         Ok(Self { limits, ..self })
@@ -190,7 +191,7 @@ impl<S: Scalar> Setup<S> {
         S::ratio(1, 4)
     }
 
-    /// Limits of the tracker.
+    /// Limits of the tracker and of ranges.
     #[must_use]
     pub const fn limits(&self) -> &Limits {
         &self.limits
