@@ -88,7 +88,8 @@ const TRAJECTORY: &str = "\
 Trajectory: each line has the velocity (m/s) and the rotation rate (rad/s) of one instant in the axes
 of the camera at that instant; time_s is counted from the start of the first frame, which is the middle
 of the exposure of the row read first. gx,gy,gz is the direction of down in the same axes; without it,
-that of the setup's [attitude] at the start of the first frame, propagated by the rotation. Values are
+that of the setup's [attitude] at the start of the first frame, propagated by the rotation. It must be
+left out where the setup says that gravity is learned or fitted. Values are
 interpolated linearly, over gaps of at most three times the usual interval, which of samples in bursts is
 that of the bursts. Columns may be missing: they are zero. A sample that is there twice counts once; where
 most stamps repeat, the samples of a tick are spread over it; elsewhere two values of one instant are a

@@ -230,5 +230,9 @@ fn twist(
         ),
         None => Twist::new(velocity_m_s, rate_rad_s, gravity),
     };
-    twist.map_err(by_its_key)
+    twist.map_err(|error| match error.parameter {
+        // The error has its length alone.
+        "gravity" => attitude.refuse("gravity", error.expected),
+        _ => by_its_key(error),
+    })
 }

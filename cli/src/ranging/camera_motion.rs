@@ -10,7 +10,7 @@ use shutter_range::{
 use super::frame_starts::FrameStarts;
 use crate::input::frame_times::FrameName;
 use crate::input::repeated_stamps::Sample;
-use crate::input::setup::{self, SetupFile, SetupSource};
+use crate::input::setup::{self, GravitySource, SetupFile, SetupSource};
 use crate::input::trajectory_file;
 use crate::setup_arguments::{MotionArgs, SetupArgs};
 
@@ -151,7 +151,14 @@ impl Measured {
     fn load(path: &Path, file: &SetupFile) -> Result<Box<Self>> {
         let mut samples = trajectory_file::load(path, file)?;
         let max_gap_ns = TRUSTED_INTERVALS * usual_interval_ns(&samples);
-        if samples.iter().all(|sample| sample.gravity.is_none()) {
+        let has_gravity = samples.iter().any(|sample| sample.gravity.is_some());
+        ensure!(
+            !has_gravity || file.gravity_source == GravitySource::Told,
+            "{}: the columns `gx`, `gy` and `gz` must be left out where the setup's `attitude.gravity` is \"learn\" or \
+             \"fit\": it is estimated then",
+            path.display()
+        );
+        if !has_gravity {
             propagate_gravity(&mut samples, file.motion.gravity(), max_gap_ns)?;
         }
         Ok(Box::new(Self::new(samples)))

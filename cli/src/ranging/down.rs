@@ -83,9 +83,13 @@ impl Down {
         let setup = with_sigma_gravity(setup, self.vertical.sigma_rad())?;
         let fitted = Vertical::fit(&setup, &self.motion(motion), lines);
         self.vertical = fitted.unwrap_or(self.vertical);
-        let refusal = "gravity cannot be fitted to this frame: fewer than five edges tell their lean apart from their \
-                       distance. Give exposure_s, several frames (\"learn\") or gravity itself";
-        Ok(fitted.map(|_| ()).ok_or_else(|| refusal.to_string()))
+        let exposure = if setup.motion_blur().is_none() { "exposure_s, " } else { "" };
+        Ok(fitted.map(|_| ()).ok_or_else(|| {
+            format!(
+                "gravity cannot be fitted to this frame: fewer than five edges tell their lean apart from their distance. \
+                 Give {exposure}several frames (\"learn\") or gravity itself"
+            )
+        }))
     }
 
     /// The motion with the direction of down that is used.

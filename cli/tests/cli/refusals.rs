@@ -260,7 +260,7 @@ fn vectors_of_a_setup() {
     refuse_setup(
         "[attitude]",
         "[attitude]\ngravity = [0, 0, 0]",
-        "`attitude.gravity` is 0, but must be a direction: at least 0.001 long",
+        "`attitude.gravity` is [0, 0, 0], but must be a direction: at least 0.001 long",
     );
 }
 

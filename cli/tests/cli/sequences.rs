@@ -262,9 +262,13 @@ fn learning_gravity_needs_a_sequence() {
 #[test]
 fn fitting_gravity_to_a_frame_says_where_it_cannot() {
     let text = SETUP.replace("[attitude]\n", "[attitude]\ngravity = \"fit\"\n");
-    let folder = Folder::new().with("setup.toml", text.as_str()).with("a.csv", "row,column\n1,2\n");
-    let found = folder.run(&["edges", "a.csv", "--setup", "setup.toml", "--json"]).json();
-    let hint = found["frames"][0]["hints"][0].as_str().expect("a hint");
-    assert!(hint.starts_with("gravity cannot be fitted to this frame"), "{hint}");
-    assert!(number(&found["frames"][0], "sigma_gravity_deg") > 7.0);
+    // Nobody is asked for what the setup has.
+    for (camera, asks) in [("fx = 600", true), ("exposure_s = 0.001\nfx = 600", false)] {
+        let folder = Folder::of(&text.replace("fx = 600", camera), "row,column\n1,2\n");
+        let frame = folder.document()["frames"][0].take();
+        let hint = frame["hints"][0].as_str().expect("a hint");
+        assert!(hint.starts_with("gravity cannot be fitted to this frame"), "{hint}");
+        assert_eq!(hint.contains("exposure_s"), asks, "{hint}");
+        assert!(number(&frame, "sigma_gravity_deg") > 7.0);
+    }
 }
