@@ -70,8 +70,7 @@ impl MotionArgs {
 impl CameraMotion {
     /// For these frames in their order, with their numbers.
     pub(crate) fn new(arguments: &MotionArgs, file: &SetupFile, frames: Vec<(i64, FrameName)>) -> Result<Self> {
-        let starts = FrameStarts::new(arguments, frames)?;
-        starts.check(file)?;
+        let starts = FrameStarts::new(arguments, file, frames)?;
         let source = match &arguments.trajectory {
             Some(path) => Source::Measured(Measured::load(path, file)?),
             None => Source::Constant(file.motion),
@@ -88,8 +87,7 @@ impl CameraMotion {
         frames: Vec<(i64, FrameName)>,
         samples: Vec<Sample>,
     ) -> Result<Self> {
-        let starts = FrameStarts::new(arguments, frames)?;
-        starts.check(file)?;
+        let starts = FrameStarts::new(arguments, file, frames)?;
         let readout = file.setup.readout();
         let last_row_ns = readout.row_time_ns(readout.row_after(u16::MAX));
         Ok(Self { starts, last_row_ns, source: Source::Measured(Box::new(Measured::new(samples))) })

@@ -100,15 +100,17 @@ fn times_that_do_not_fit_the_frames_are_refused() {
 /// A frame takes 33.3 ms to read, 69 µs a row.
 #[test]
 fn a_frame_that_starts_before_the_last_one_is_read_is_refused() {
-    let message = |seconds: &str| {
-        format!(
-            "from one frame to the next it is {seconds} s, but must be at least 0.0333 s, the readout of a frame in the setup"
-        )
+    let message = |which: &str, seconds: &str| {
+        format!("from {which} it is {seconds} s, but must be at least 0.0333 s, the readout of a frame in the setup")
     };
-    refuse("time_s\n0\n0.025\n0.1\n", &message("0.025"));
+    let first_two = "out/frame-0000.png to out/frame-0001.png";
+    refuse("time_s\n0\n0.025\n0.1\n", &message(first_two, "0.025"));
+    // Whose difference is 0.030000000000000027 in binary.
+    refuse("time_s\n1\n1.03\n2\n", &message(first_two, "0.03"));
+    refuse("time_s\n0\n1\n1.02\n", &message("out/frame-0001.png to out/frame-0002.png", "0.02"));
     let folder = simulated();
     let outcome = frames(&folder, &FILES, &["--frame-interval-s", "0.0332"]);
-    assert_eq!((outcome.code, outcome.stderr), (1, format!("error: {}\n", message("0.0332"))));
+    assert_eq!((outcome.code, outcome.stderr), (1, format!("error: {}\n", message("one frame to the next", "0.0332"))));
     // Clocks are rounded: one row less is allowed.
     assert_eq!(frames(&folder, &FILES, &["--frame-interval-s", "0.03325"]).code, 0);
 }
@@ -177,6 +179,8 @@ fn exposures_that_are_refused() {
         frames(&folder, &FILES, &["--frame-times", "times.csv"]).stderr
     };
     assert!(refused("time_s,exposure_s\n0,0.002\n0.1,\n0.2,1\n").contains("line 3: `exposure_s` is empty"));
-    assert!(refused("time_s,exposure_s\n0,0.002\n0.1,0.2\n0.2,0.002\n").contains("frame 1: `exposure_s` is 0.2"));
+    assert!(
+        refused("time_s,exposure_s\n0,0.002\n0.1,0.2\n0.2,0.002\n").contains("out/frame-0001.png: `exposure_s` is 0.2")
+    );
     assert!(refused("time_s,exposure_s\n0,0\n0.1,0.2\n0.2,0.002\n").contains("line 2: `exposure_s` is `0`"));
 }

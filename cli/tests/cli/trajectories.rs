@@ -159,6 +159,52 @@ fn frames_of_edges_have_their_numbers() {
     }
 }
 
+/// Whatever its number is: a recording may begin anywhere.
+#[test]
+fn time_is_counted_from_the_first_frame() {
+    let turning = SETUP.replace("[motion]\n", "[motion]\nrate_rad_s = [0, 0.3, 0]\n");
+    let speeding_up =
+        format!("{HEADER}\n-0.01,-1.5,0,0,0,0,0\n0.1,-1.5,0,0,0,0,0\n0.2,-3,0,0,0,0,0\n0.3,-3,0,0,0,0,0\n");
+    let ranges = |setup: &str, first: i64, rest: &[&str]| {
+        let text = format!("{}{}", one_line(2.0, &format!(",{first}")), one_line(2.0, &format!(",{}", first + 1)));
+        let folder = Folder::of(setup, &format!("row,column,frame\n{text}")).with("drive.csv", &speeding_up);
+        let interval = ["edges", "edges.csv", "--setup", "setup.toml", "--json", "--frame-interval-s", "0.05"];
+        let document = folder.run(&[&interval[..], rest].concat()).json();
+        [0, 1].map(|frame| document["frames"][frame]["ranges"].clone())
+    };
+    for first in [5, 1000, -7, i64::MAX - 1, i64::MIN] {
+        assert_eq!(ranges(&turning, first, &[]), ranges(&turning, 0, &[]), "{first}");
+        let rest = ["--trajectory", "drive.csv"];
+        assert_eq!(ranges(SETUP, first, &rest), ranges(SETUP, 0, &rest), "{first}");
+    }
+}
+
+#[test]
+fn frames_that_are_ages_apart_are_refused() {
+    let text = format!("row,column,frame\n5,1,{}\n5,1,{}\n", i64::MIN, i64::MAX);
+    let outcome =
+        edges(SETUP, &text, &format!("{HEADER}\n{}", constant(20, "-1.5,0,0,0,0,0")), &["--frame-interval-s", "1"]);
+    let expected = "error: from edges.csv#-9223372036854775808 to edges.csv#9223372036854775807 it is 18446744073709552000 \
+                    s, but must be at most 1000000 s\n";
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (1, expected));
+}
+
+/// It would be told and estimated.
+#[test]
+fn gravity_of_a_trajectory_contradicts_one_that_is_estimated() {
+    let drive = format!("{HEADER},gx,gy,gz\n{}", constant(20, "-1.5,0,0,0,0,0,0,1,0"));
+    let text = format!("row,column\n{}", one_line(2.0, ""));
+    for (source, rest) in [("learn", &["--frame-interval-s", "0.05"][..]), ("fit", &[])] {
+        let setup = SETUP.replace("[attitude]\n", &format!("[attitude]\ngravity = {source:?}\n"));
+        let outcome = edges(&setup, &text, &drive, rest);
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (1, ""), "{source}");
+        let message = "error: drive.csv: the columns `gx`, `gy` and `gz` must be left out";
+        assert!(outcome.stderr.starts_with(message), "{}", outcome.stderr);
+        let without = format!("{HEADER}\n{}", constant(20, "-1.5,0,0,0,0,0"));
+        assert_eq!(edges(&setup, &text, &without, rest).code, 0);
+    }
+}
+
 #[test]
 fn gravity_is_carried_on_from_the_first_frame() {
     // The camera has rolled by 0.2 rad when the frame starts at 0.4 s; its edges are upright in space.
@@ -167,7 +213,7 @@ fn gravity_is_carried_on_from_the_first_frame() {
             let off = sign * 0.2_f64.tan() * (f64::from(row) - 239.5);
             format!("{row},{:.5},4\n", 319.5 + off + 600.0 * 1.5 / 2.0 * f64::from(row) * 0.0333 / 480.0)
         });
-        format!("row,column,frame\n{}", lines.collect::<String>())
+        format!("row,column,frame\n{}{}", one_line(2.0, ",0"), lines.collect::<String>())
     };
     let setup = SETUP.replace("sigma_tilt_deg = 0", "sigma_tilt_deg = 0\ngravity = [0, 1, 0]");
     let mut drive = format!("{HEADER}\n");
@@ -176,7 +222,7 @@ fn gravity_is_carried_on_from_the_first_frame() {
     }
     let range = |text: &str| {
         let document = edges(&setup, text, &drive, &["--frame-interval-s", "0.1"]).json();
-        document["frames"][0]["ranges"][0].clone()
+        document["frames"][1]["ranges"][0].clone()
     };
     // Rolled clockwise, the camera sees what is upright lean to the right at its lower end.
     assert_eq!(range(&lean(1.0))["status"], "ok");
