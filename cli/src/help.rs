@@ -122,8 +122,9 @@ Overlay:
   blue, thick   far: lower bound of the depth beside the edge
   orange, thin  inconsistent, leaning, moving, bent, cluttered or sideways
   grey, thin    slow, short or tentative
-In a sequence the number of frames that an edge rests on follows in parentheses. An overlay or a map that
-is there already is replaced; one that would replace a frame is refused.";
+The distance is the shortest to the edge's line, distance_m of --json. In a sequence the number of frames
+that an edge rests on follows in parentheses. An overlay, a map or a report that is there already is
+replaced; one that would replace a file that is read is refused.";
 
 const EDGE_EXAMPLES: &str = "\
 Example:

@@ -11,6 +11,7 @@ mod inspection;
 mod output;
 mod command;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result};
@@ -23,7 +24,8 @@ use crate::command::{
     table2,
 };
 use crate::output::frame_writer::{FrameFormat, FrameWriter};
-use crate::output::{map, overlay, range_table, safe_file, terminal, truth};
+use crate::output::outputs::{self, Output};
+use crate::output::{overlay, range_table, safe_file, terminal, truth};
 use crate::ranging::workers::STACK_BYTES;
 
 fn main() -> ExitCode {
@@ -86,10 +88,8 @@ fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
         (false, false) => FrameFormat::Table { colours: terminal::colours() },
     };
     frame::check_inputs(arguments).unwrap_or_else(|message| refuse(message));
-    let overlays =
-        overlay::paths(&arguments.files, arguments.overlay.as_deref()).unwrap_or_else(|message| refuse(message));
-    let checked = map::check(arguments.map.as_deref(), &arguments.files, &overlays);
-    checked.unwrap_or_else(|message| refuse(message));
+    let overlays = overlay::paths(&arguments.files, arguments.overlay.as_deref());
+    frame::check_outputs(arguments, &overlays).unwrap_or_else(|message| refuse(message));
     let setup = arguments.motion.load_setup(&arguments.setup)?;
     let mut writer = FrameWriter::new(format);
     let outcome = frame::ranges(arguments, &overlays, &setup, &mut writer);
@@ -98,12 +98,23 @@ fn run_frame(arguments: &FrameArgs, json: bool) -> Result<ExitCode> {
     Ok(if outcome?.0 == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// Refuses a chart in place of what is read.
+fn check_chart<'a>(svg: Option<&Path>, inputs: impl IntoIterator<Item = &'a Path>) {
+    let checked = outputs::check(inputs, &Output::of_options(&[("--svg", svg)]));
+    checked.unwrap_or_else(|message| arguments::refuse(&message));
+}
+
+fn paths(files: &[PathBuf]) -> impl Iterator<Item = &Path> {
+    files.iter().map(PathBuf::as_path)
+}
+
 /// What cannot be told is no error of the program, but no success either.
 fn exit_code(status: &str) -> ExitCode {
     if status == "ok" { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 fn run_flicker(arguments: &FlickerArgs, json: bool) -> Result<ExitCode> {
+    check_chart(arguments.svg.as_deref(), paths(&arguments.files));
     let outcome = calibrate_flicker::measure(arguments)?;
     let document = &outcome.document;
     terminal::print(&if json { terminal::json(document)? } else { calibrate_flicker::text(document) })?;
@@ -114,6 +125,7 @@ fn run_flicker(arguments: &FlickerArgs, json: bool) -> Result<ExitCode> {
 }
 
 fn run_scale(arguments: &ScaleArgs, json: bool) -> Result<ExitCode> {
+    check_chart(arguments.svg.as_deref(), [arguments.file.as_path()]);
     let document = calibrate_scale::measure(arguments)?;
     let text = if json { terminal::json(&document)? } else { calibrate_scale::text(&document, terminal::colours()) };
     terminal::print(&text)?;
@@ -128,6 +140,8 @@ fn run_imu(arguments: &ImuArgs, json: bool) -> Result<ExitCode> {
     if arguments.motion.trajectory.is_none() || !is_sequence {
         arguments::refuse("calibrate imu needs --trajectory, and --frame-interval-s or --frame-times");
     }
+    let inputs = paths(&arguments.files).chain(arguments.setup.files()).chain(arguments.motion.files());
+    check_chart(arguments.svg.as_deref(), inputs);
     let outcome = calibrate_imu::measure(arguments)?;
     let document = &outcome.document;
     terminal::print(&if json { terminal::json(document)? } else { calibrate_imu::text(document) })?;
@@ -138,6 +152,7 @@ fn run_imu(arguments: &ImuArgs, json: bool) -> Result<ExitCode> {
 }
 
 fn run_plan(arguments: &PlanArgs, json: bool) -> Result<String> {
+    check_chart(arguments.svg.as_deref(), paths(&arguments.setups));
     let document = plan::plan(arguments)?;
     if let Some(path) = &arguments.svg {
         safe_file::write_text(path, &plan::chart(&document)?)?;

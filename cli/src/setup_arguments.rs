@@ -1,6 +1,6 @@
 //! What several commands ask for: a setup, a camera file, and how the camera moves.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -35,6 +35,11 @@ impl CameraArgs {
 }
 
 impl SetupArgs {
+    /// All that is read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [self.path.as_path()].into_iter().chain(self.camera.path.as_deref())
+    }
+
     pub(crate) fn source(&self) -> SetupSource<'_> {
         SetupSource { path: &self.path, camera: self.camera.source(), has_trajectory: false }
     }
@@ -58,4 +63,11 @@ pub(crate) struct MotionArgs {
     /// Also tell the lines of a sequence that too few frames agree on so far: status `tentative`
     #[arg(long)]
     pub(crate) all: bool,
+}
+
+impl MotionArgs {
+    /// All that is read.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.frame_times, &self.trajectory].into_iter().flatten().map(PathBuf::as_path)
+    }
 }

@@ -8,7 +8,6 @@ use shutter_range::format::Pixels;
 use shutter_range::{Counters, Line, Motion, Ranger, RowError, Setup};
 
 use crate::arguments::FrameArgs;
-use crate::input::file_identity::FileIdentity;
 use crate::input::frame_source::{self, FoundFrame, FrameSource};
 use crate::input::frame_times::FrameName;
 use crate::input::picture::{Picture, PictureFormat};
@@ -16,6 +15,7 @@ use crate::input::setup::SetupFile;
 use crate::output::frame_writer::FrameWriter;
 use crate::output::html_report::HtmlReport;
 use crate::output::map::Map;
+use crate::output::outputs::{self, Output};
 use crate::output::overlay;
 use crate::output::progress;
 use crate::output::report::Frame;
@@ -44,14 +44,6 @@ pub(crate) fn check_inputs(arguments: &FrameArgs) -> Result<(), String> {
     if has_video && arguments.raw.is_some() {
         return Err("--raw: a y4m video has a header; give dumps as files".to_string());
     }
-    if let Some(report) = &arguments.report {
-        let identity = FileIdentity::of(report);
-        let camera = arguments.setup.camera.path.as_ref();
-        let mut inputs = files.iter().chain([&arguments.setup.path]).chain(camera);
-        if let Some(input) = inputs.find(|input| FileIdentity::of(input) == identity) {
-            return Err(format!("--report would replace {}: choose another name", input.display()));
-        }
-    }
     // A video counts as several.
     let frames = files.len() + usize::from(has_video);
     if arguments.map.is_some() && frames > 1 && !arguments.motion.is_sequence() {
@@ -60,6 +52,15 @@ pub(crate) fn check_inputs(arguments: &FrameArgs) -> Result<(), String> {
         );
     }
     arguments.motion.check_frames(frames)
+}
+
+/// Refuses outputs in place of what is read or of each other.
+pub(crate) fn check_outputs(arguments: &FrameArgs, overlays: &[PathBuf]) -> Result<(), String> {
+    let FrameArgs { files, setup, motion, report, map, .. } = arguments;
+    let inputs = files.iter().map(PathBuf::as_path).chain(setup.files()).chain(motion.files());
+    let others = Output::of_options(&[("--report", report.as_deref()), ("--map", map.as_deref())]);
+    let all: Vec<Output> = overlay::outputs(files, overlays).chain(others).collect();
+    outputs::check(inputs, &all)
 }
 
 /// Frames are read and searched for edges by many threads; their ranges follow in the order of the frames.

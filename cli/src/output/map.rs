@@ -10,7 +10,6 @@ use super::birds_eye::{BirdsEye, Point, Position, STYLE};
 use super::ground::{Ground, Rows, dot, sum, transposed, turned};
 use super::report::RangeReport;
 use super::safe_file;
-use crate::input::file_identity::FileIdentity;
 
 /// A drive along a wall should not become a thread.
 const TALLEST: f64 = 4.0;
@@ -24,16 +23,6 @@ pub(crate) struct Map {
     path: Vec<Point>,
     /// The last that was told of each edge, by its number, or of each range that has none.
     edges: BTreeMap<(Option<u32>, usize), Position>,
-}
-
-/// Refuses a map in place of an input or of another output.
-pub(crate) fn check(map: Option<&Path>, inputs: &[PathBuf], outputs: &[PathBuf]) -> Result<(), String> {
-    let Some(map) = map else { return Ok(()) };
-    let identity = FileIdentity::of(map);
-    match inputs.iter().chain(outputs).find(|path| FileIdentity::of(path) == identity) {
-        Some(path) => Err(format!("--map would replace {}: {} is the same file", path.display(), map.display())),
-        None => Ok(()),
-    }
 }
 
 impl Map {

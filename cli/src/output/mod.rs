@@ -1,6 +1,7 @@
 //! Results out: reports, tables, overlays, simulated frames, and progress.
 
 pub(crate) mod safe_file;
+pub(crate) mod outputs;
 pub(crate) mod rounding;
 pub(crate) mod text_table;
 pub(crate) mod glyphs;

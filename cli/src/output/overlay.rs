@@ -1,6 +1,5 @@
 //! Overlays: each edge with its depth over the picture that shows it.
 
-use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -9,46 +8,34 @@ use image::{ImageFormat, Rgb, RgbImage};
 use shutter_range::RangeStatus;
 
 use super::canvas::{Canvas, Rectangle};
+use super::outputs::{Output, with_stem};
 use super::report::RangeReport;
 use super::rounding::{at_least, with_sigma};
 use super::safe_file;
-use crate::input::file_identity::FileIdentity;
+use crate::input::frame_source::is_video;
 
 /// Where the overlays of frames go: for one frame to `out`, for several to `out` with the stem of the frame's name.
-/// Refuses to replace a frame, and to write two overlays to the same file.
-pub(crate) fn paths(frames: &[PathBuf], out: Option<&Path>) -> Result<Vec<PathBuf>, String> {
-    let Some(out) = out else { return Ok(Vec::new()) };
-    let paths: Vec<PathBuf> = match frames {
-        [_] => vec![out.to_path_buf()],
-        _ => frames.iter().map(|frame| with_stem(out, frame)).collect(),
-    };
-    let inputs: HashMap<_, _> = frames.iter().map(|frame| (FileIdentity::of(frame), frame)).collect();
-    let mut outputs = HashMap::new();
-    for (path, frame) in paths.iter().zip(frames) {
-        let identity = FileIdentity::of(path);
-        if let Some(input) = inputs.get(&identity) {
-            let (input, path) = (input.display(), path.display());
-            return Err(format!("--overlay would replace the frame {input}: {path} is the same file"));
-        }
-        if let Some(other) = outputs.insert(identity, frame) {
-            let (a, b, path) = (other.display(), frame.display(), path.display());
-            return Err(format!("--overlay would write {a} and {b} to the same file, {path}"));
-        }
+pub(crate) fn paths(frames: &[PathBuf], out: Option<&Path>) -> Vec<PathBuf> {
+    match (frames, out) {
+        (_, None) => Vec::new(),
+        ([_], Some(out)) => vec![out.to_path_buf()],
+        (_, Some(out)) => frames.iter().map(|frame| with_stem(out, frame)).collect(),
     }
-    Ok(paths)
+}
+
+/// Those paths as files that will be written.
+pub(crate) fn outputs<'a>(frames: &'a [PathBuf], paths: &'a [PathBuf]) -> impl Iterator<Item = Output> + 'a {
+    let is_single = frames.len() == 1;
+    frames.iter().zip(paths).map(move |(frame, path)| {
+        let what = if is_single { "--overlay".to_string() } else { format!("--overlay of {}", frame.display()) };
+        let output = Output::new(what, path);
+        if is_video(frame) { output.numbered() } else { output }
+    })
 }
 
 /// The overlay of a frame of a video has its number.
 pub(crate) fn of_frame(path: &Path, in_video: Option<usize>) -> PathBuf {
     in_video.map_or_else(|| path.to_path_buf(), |number| with_stem(path, Path::new(&format!("{number:04}"))))
-}
-
-fn with_stem(out: &Path, frame: &Path) -> PathBuf {
-    let [mut name, stem] = [out, frame].map(|path| path.file_stem().unwrap_or_default().to_os_string());
-    name.push("-");
-    name.push(stem);
-    name.push(".png");
-    out.with_file_name(name)
 }
 
 pub(crate) fn write(path: &Path, picture: RgbImage, ranges: &[RangeReport]) -> Result<()> {

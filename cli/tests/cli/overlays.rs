@@ -78,10 +78,14 @@ fn overlays_that_would_replace_each_other_or_a_frame() {
     let folder = with_frame().with("a.pgm", "").with("seen-a.png", "");
     let outcome = frame(&folder, &["a.png", "a.pgm", "--overlay", "seen.png"]);
     assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("would write a.png and a.pgm to the same file, seen-a.png"), "{}", outcome.stderr);
+    assert!(
+        outcome.stderr.contains("--overlay of a.png and --overlay of a.pgm would be written to one file, seen-a.png"),
+        "{}",
+        outcome.stderr
+    );
     let outcome = frame(&folder, &["a.png", "seen-a.png", "--overlay", "seen.png"]);
     assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("would replace the frame seen-a.png"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("--overlay of a.png would replace seen-a.png"), "{}", outcome.stderr);
 }
 
 /// However it is spelt.
@@ -96,17 +100,86 @@ fn a_frame_is_never_replaced_by_an_overlay() {
     for out in ["a.png", "./a.png", "sub/../a.png", "hard.png", "soft.png", "softer.png"] {
         let outcome = frame(&folder, &["a.png", "--overlay", out]);
         assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{out}");
-        let message = format!("--overlay would replace the frame a.png: {out} is the same file");
+        let message = format!("--overlay would replace a.png: {out} is the same file");
         assert!(outcome.stderr.contains(&message), "{out}: {}", outcome.stderr);
     }
     folder.hard_link("b.png", "seen-a.png");
     let outcome = frame(&folder, &["a.png", "b.png", "--overlay", "seen.png"]);
     assert!(
-        outcome.stderr.contains("would replace the frame b.png: seen-a.png is the same file"),
+        outcome.stderr.contains("--overlay of a.png would replace b.png: seen-a.png is the same file"),
         "{}",
         outcome.stderr
     );
     assert_eq!((folder.read("a.png"), folder.read("b.png")), (before.clone(), before));
+}
+
+/// How many frames it has shows only when they come: each name with a number may be one of theirs.
+#[test]
+fn overlays_of_a_video_replace_no_frame_and_no_other_overlay() {
+    let video = [b"YUV4MPEG2 W640 H480 Cmono\nFRAME\n".to_vec(), painted().into_raw()].concat();
+    let folder =
+        with_frame().with("v.y4m", video).with("q-v-0000.png", png(painted())).with("v-0001.png", png(painted()));
+    folder.hard_link("a.png", "h-v-0000.png");
+    let before = folder.read("a.png");
+    for (files, out, message) in [
+        (&["v.y4m", "q-v-0000.png"][..], "q.png", "--overlay of v.y4m would replace q-v-0000.png: q-v-0000.png is the"),
+        (&["q-v-0000.png", "v.y4m"], "./q.png", "--overlay of v.y4m would replace q-v-0000.png: ./q-v-0000.png is the"),
+        (&["v.y4m", "a.png"], "h.png", "--overlay of v.y4m would replace a.png: h-v-0000.png is the"),
+        (
+            &["v.y4m", "v-0001.png"],
+            "z.png",
+            "--overlay of v.y4m and --overlay of v-0001.png would be written to one file",
+        ),
+        (
+            &["v-0001.png", "v.y4m"],
+            "z.png",
+            "--overlay of v-0001.png and --overlay of v.y4m would be written to one file",
+        ),
+        (&["v.y4m", "./v.y4m"], "z.png", "would be written to one file, z-v.png"),
+    ] {
+        let outcome = frame(&folder, &[files, &["--overlay", out]].concat());
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{files:?}");
+        assert!(outcome.stderr.contains(message), "{files:?}: {}", outcome.stderr);
+    }
+    assert_eq!((folder.read("a.png"), folder.read("q-v-0000.png")), (before.clone(), before));
+    // Names that are none of theirs, or an earlier run's.
+    for rest in [&["a.png", "--overlay", "y.png"][..], &["--overlay", "q-v.png"]] {
+        assert_eq!(frame(&folder, &[&["v.y4m"], rest].concat()).code, 0, "{rest:?}");
+    }
+}
+
+/// Whatever it is that is read, and whatever writes.
+#[test]
+fn no_output_replaces_an_input() {
+    let drive = "time_s,vx\n-1,-1.5\n1,-1.5\n";
+    let passes = "speed_m_s,distance_m,slope\n1,2,0.03\n-1,2,-0.03\n";
+    let folder = with_frame()
+        .with("drive.html", drive)
+        .with("times.svg", "time_s\n0\n")
+        .with("s.svg", SETUP)
+        .with("p.svg", passes)
+        .with("f.svg", png(painted()));
+    let frame = ["frame", "a.png", "--setup", "setup.toml"];
+    let sequence = [&frame[..], &["--frame-times", "times.svg", "--trajectory", "drive.html"]].concat();
+    for (arguments, message) in [
+        ([&sequence[..], &["--report", "drive.html"]].concat(), "--report would replace drive.html: drive.html is"),
+        ([&sequence[..], &["--map", "./times.svg"]].concat(), "--map would replace times.svg: ./times.svg is"),
+        (vec!["frame", "a.png", "--setup", "s.svg", "--map", "s.svg"], "--map would replace s.svg"),
+        (vec!["plan", "--setup", "setup.toml", "--setup", "s.svg", "--svg", "s.svg"], "--svg would replace s.svg"),
+        (vec!["calibrate", "scale", "p.svg", "--svg", "p.svg"], "--svg would replace p.svg"),
+        (vec!["calibrate", "flicker", "f.svg", "a.png", "--frequency-hz", "100", "--svg", "f.svg"], "replace f.svg"),
+        ([&["calibrate", "imu"], &sequence[1..], &["--svg", "times.svg"]].concat(), "--svg would replace times.svg"),
+    ] {
+        let outcome = folder.run(&arguments);
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{arguments:?}: {}", outcome.stderr);
+    }
+    assert_eq!((folder.read("drive.html"), folder.read("s.svg")), (drive.into(), SETUP.into()));
+    assert_eq!((folder.read("times.svg"), folder.read("p.svg")), (b"time_s\n0\n".to_vec(), passes.into()));
+    folder.link("s.svg", "both.html");
+    let outcome = folder.run(&[&frame[..], &["--map", "s.svg", "--report", "both.html"]].concat());
+    assert_eq!(outcome.code, 2);
+    assert!(outcome.stderr.contains("--report and --map would be written to one file, s.svg"), "{}", outcome.stderr);
 }
 
 #[test]
@@ -115,7 +188,7 @@ fn two_overlays_are_not_written_to_one_file() {
     folder.link("seen-a.png", "seen-b.png");
     let outcome = frame(&folder, &["a.png", "b.png", "--overlay", "seen.png"]);
     assert_eq!(outcome.code, 2);
-    assert!(outcome.stderr.contains("would write a.png and b.png to the same file, seen-b.png"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("would be written to one file, seen-b.png"), "{}", outcome.stderr);
 }
 
 #[test]
