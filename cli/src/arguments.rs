@@ -144,7 +144,7 @@ pub(crate) struct FrameArgs {
     pub(crate) setup: SetupArgs,
     #[command(flatten)]
     pub(crate) motion: MotionArgs,
-    /// Draw each edge with its depth and sigma over the frame. Several frames give OUT-NAME.png, with each frame's name
+    /// Draw each edge with its distance and sigma over the frame. Several frames give OUT-NAME.png, with each frame's name
     #[arg(long, value_name = "OUT.png", value_parser = png_path)]
     pub(crate) overlay: Option<PathBuf>,
     /// Write a page to look at: each frame with its edges, a bird's-eye view in metres, a table with the error budgets,

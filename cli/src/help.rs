@@ -118,8 +118,8 @@ is free of its taper. Hints under the table say what may be wrong with the setup
 
 const OVERLAY: &str = "\
 Overlay:
-  green, thick  ok: depth and one sigma beside the edge
-  blue, thick   far: lower bound of the depth beside the edge
+  green, thick  ok: distance and one sigma beside the edge
+  blue, thick   far: lower bound of the distance beside the edge
   orange, thin  inconsistent, leaning, moving, bent, cluttered or sideways
   grey, thin    slow, short or tentative
 The distance is the shortest to the edge's line, distance_m of --json. In a sequence the number of frames

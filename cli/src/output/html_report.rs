@@ -145,8 +145,8 @@ fn birds_eye_view(frame: &Frame) -> String {
 }
 
 fn label(range: &RangeReport) -> String {
-    match (range.status, range.depth_m, range.sigma_depth_m, range.nearest_m) {
-        (RangeStatus::Ok, Some(depth_m), Some(sigma_m), _) => format!("{} m", with_sigma(depth_m, sigma_m, 1)),
+    match (range.status, range.distance_m, range.sigma_distance_m, range.nearest_distance_m) {
+        (RangeStatus::Ok, Some(distance_m), Some(sigma_m), _) => format!("{} m", with_sigma(distance_m, sigma_m, 1)),
         (RangeStatus::Far, _, _, Some(nearest_m)) => format!("&gt; {} m", at_least(nearest_m, 2)),
         (status, ..) => status.name().to_string(),
     }

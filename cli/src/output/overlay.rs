@@ -1,4 +1,4 @@
-//! Overlays: each edge with its depth over the picture that shows it.
+//! Overlays: each edge with its distance over the picture that shows it.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -81,12 +81,12 @@ fn colour(status: RangeStatus) -> Rgb<u8> {
 }
 
 fn label(range: &RangeReport) -> Option<String> {
-    let depth = match range.status {
-        RangeStatus::Ok => with_sigma(range.depth_m?, range.sigma_depth_m?, 1) + " m",
-        RangeStatus::Far => format!(">{} m", at_least(range.nearest_m?, 2)),
+    let distance = match range.status {
+        RangeStatus::Ok => with_sigma(range.distance_m?, range.sigma_distance_m?, 1) + " m",
+        RangeStatus::Far => format!(">{} m", at_least(range.nearest_distance_m?, 2)),
         _ => return None,
     };
-    Some(if range.frames > 1 { format!("{depth} ({})", range.frames) } else { depth })
+    Some(if range.frames > 1 { format!("{distance} ({})", range.frames) } else { distance })
 }
 
 /// What a label should not cover.

@@ -36,6 +36,11 @@ pub(crate) struct RangeReport {
     pub(crate) depth_m: Option<f64>,
     pub(crate) sigma_depth_m: Option<f64>,
     pub(crate) distance_m: Option<f64>,
+    #[serde(skip)]
+    pub(crate) sigma_distance_m: Option<f64>,
+    /// The lower bound at two sigma.
+    #[serde(skip)]
+    pub(crate) nearest_distance_m: Option<f64>,
     pub(crate) nearest_m: Option<f64>,
     pub(crate) farthest_m: Option<f64>,
     pub(crate) first_row: u16,
@@ -92,7 +97,7 @@ impl Frame {
 impl RangeReport {
     fn new(range: &Range<f64>, post: Option<Post<f64>>) -> Self {
         const BOUNDS: Sigmas<f64> = Sigmas(2.0);
-        let (estimate, depth) = (&range.estimate, range.depth(BOUNDS));
+        let (estimate, depth, distance) = (&range.estimate, range.depth(BOUNDS), range.distance(BOUNDS));
         let middle = post.and_then(|post| post.distance(BOUNDS).estimate_m);
         Self {
             bearing: estimate.bearing,
@@ -100,7 +105,9 @@ impl RangeReport {
             sigma_inverse_depth_per_m: estimate.sigma_inverse_depth_per_m,
             depth_m: depth.estimate_m.map(|(depth, _)| depth),
             sigma_depth_m: depth.estimate_m.map(|(_, sigma)| sigma),
-            distance_m: range.distance(BOUNDS).estimate_m.map(|(distance, _)| distance),
+            distance_m: distance.estimate_m.map(|(distance, _)| distance),
+            sigma_distance_m: distance.estimate_m.map(|(_, sigma)| sigma),
+            nearest_distance_m: distance.nearest_m,
             nearest_m: depth.nearest_m,
             farthest_m: depth.farthest_m,
             first_row: range.first_row,

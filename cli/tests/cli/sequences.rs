@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use crate::tool::{Folder, SETUP, assert_near, number};
+use crate::painting::png;
+use crate::tool::{Folder, SETUP, assert_near, column, number};
 
 const FRAMES: usize = 5;
 
@@ -89,9 +90,10 @@ fn label_widths(folder: &Folder, name: &str) -> Vec<usize> {
 
 /// Of characters 6 px apart, 2 px of margin on either side.
 fn label_width(range: &Value, frames: &str) -> usize {
-    let (depth_m, sigma_m) = (number(range, "depth_m"), number(range, "sigma_depth_m"));
+    let distance_m = number(range, "distance_m");
+    let sigma_m = number(range, "sigma_depth_m") * distance_m / number(range, "depth_m");
     let decimals = (-sigma_m.log10().floor()).max(0.0) as usize;
-    format!("{depth_m:.decimals$} ± {sigma_m:.decimals$} m{frames}").chars().count() * 6 + 3
+    format!("{distance_m:.decimals$} ± {sigma_m:.decimals$} m{frames}").chars().count() * 6 + 3
 }
 
 #[test]
@@ -105,6 +107,26 @@ fn an_overlay_tells_how_many_frames_agree() {
         expected.sort_unstable();
         assert_eq!(widths, expected, "frame {index}");
     }
+}
+
+/// At the side of the picture an edge is farther away than it is deep: 10.3 m for 9.6 m.
+#[test]
+fn an_overlay_tells_distances_and_not_depths() {
+    let grey = |x: u32, row: u32| (f64::from(x) - column(0.4, 9.6, row) + 0.5).clamp(0.0, 1.0) * 150.0 + 50.0;
+    let picture = image::GrayImage::from_fn(640, 480, |x, row| image::Luma([grey(x, row).round() as u8]));
+    let folder = Folder::new().with("setup.toml", SETUP).with("a.png", png(picture));
+    let arguments =
+        ["frame", "a.png", "--setup", "setup.toml", "--json", "--overlay", "seen.png", "--report", "seen.html"];
+    let found = folder.run(&arguments).json();
+    let [range] = ranges(&found, 0) else { panic!("{found}") };
+    let (depth_m, distance_m) = (number(range, "depth_m"), number(range, "distance_m"));
+    assert!(depth_m < 9.9 && distance_m > 10.0, "{range}");
+    assert_eq!(label_widths(&folder, "seen.png"), [label_width(range, "")]);
+    let page = String::from_utf8(folder.read("seen.html")).expect("UTF-8");
+    assert!(
+        page.contains(&format!(">{distance_m:.1} ±")) || page.contains(&format!(">{distance_m:.2} ±")),
+        "its picture"
+    );
 }
 
 /// Seven rows of a post are too short for one frame, and enough for three.
