@@ -166,6 +166,7 @@ struct Ranging<'a> {
 impl Ranging<'_> {
     fn all(mut self, mut results: Results<Searched>, bar: &indicatif::ProgressBar) -> Result<Failures> {
         let is_sequence = self.motion.is_sequence();
+        self.writer.begin()?;
         let mut next = results.next();
         while let Some(searched) = next.take() {
             // A frame on its own need not wait for the next one.
@@ -177,6 +178,9 @@ impl Ranging<'_> {
                 self.failures += 1;
             }
             bar.inc(1);
+            if !self.is_wanted() {
+                break;
+            }
             if !is_sequence {
                 next = results.next();
             }
@@ -185,6 +189,12 @@ impl Ranging<'_> {
         self.map.map_or(Ok(()), Map::write)?;
         self.report.map_or(Ok(()), HtmlReport::finish)?;
         Ok(Failures(self.failures))
+    }
+
+    /// Whether anybody reads on, or files are to be written.
+    fn is_wanted(&self) -> bool {
+        let writes_files = !self.overlays.is_empty() || self.map.is_some() || self.report.is_some();
+        self.writer.is_read() || writes_files
     }
 
     /// The inner error is that of this frame alone.

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, stdin};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result, anyhow};
 
 use super::picture::{self, Picture, PictureFormat};
 use super::video::Video;
@@ -94,12 +94,21 @@ impl Iterator for FrameSource<'_> {
 }
 
 impl OpenVideo {
-    /// Frames are called by the video's name and their number, from 0.
+    /// Frames are called by the video's name and their number, from 0. One that has none is an error: whatever was to
+    /// write it may have failed.
     fn next(&mut self) -> Option<FoundFrame> {
-        let picture = self.video.next_frame().transpose()?;
         let number = self.frames;
+        let Some(picture) = self.video.next_frame().transpose() else {
+            let error = anyhow!("the video has no frame: it ends after its header");
+            self.frames += 1;
+            return (number == 0).then(|| self.unread(error));
+        };
         self.frames += 1;
         let name = format!("{}#{number}", self.name);
         Some(FoundFrame { name, file: self.file, number: Some(number), content: Content::Read(picture) })
+    }
+
+    fn unread(&self, error: Error) -> FoundFrame {
+        FoundFrame { name: self.name.clone(), file: self.file, number: None, content: Content::Read(Err(error)) }
     }
 }

@@ -22,6 +22,9 @@ const HEADINGS: [&str; 10] = [
 ];
 
 pub(crate) fn text(document: &Document, colours: bool) -> String {
+    if document.frames.is_empty() {
+        return "no frames\n".to_string();
+    }
     let mut text = String::new();
     for (index, frame) in document.frames.iter().enumerate() {
         if index > 0 {

@@ -23,12 +23,13 @@ pub(crate) fn json_line(document: &impl Serialize) -> Result<String> {
     Ok(serde_json::to_string(document).context("writing JSON")? + "\n")
 }
 
-/// Writes everything; a reader that has seen enough (`| head`) is no error.
-pub(crate) fn print(text: &str) -> Result<()> {
+/// Writes everything. Whether anybody still reads it: one who has seen enough (`| head`) is no error.
+pub(crate) fn print(text: &str) -> Result<bool> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error).context("standard output"),
-        _ => Ok(()),
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        Err(error) => Err(error).context("standard output"),
     }
 }
 

@@ -267,7 +267,9 @@ fn standard_input() {
 fn no_edges_is_an_answer() {
     let document = Folder::of(SETUP, "row,column\n").document();
     assert_eq!(document["frames"][0]["ranges"], Value::Array(Vec::new()));
-    assert_eq!(Folder::of(SETUP, "row,column,frame\n").document()["frames"], Value::Array(Vec::new()));
+    let none = Folder::of(SETUP, "row,column,frame\n");
+    assert_eq!(none.document()["frames"], Value::Array(Vec::new()));
+    assert_eq!(none.edges().stdout, "no frames\n");
 }
 
 #[test]

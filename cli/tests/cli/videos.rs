@@ -1,9 +1,11 @@
 //! y4m, as `ffmpeg -f yuv4mpegpipe -` writes it, on standard input and from files.
 
+use std::io::{BufRead, BufReader, Write};
+
 use serde_json::Value;
 
 use crate::painting::{painted, painted_by, png};
-use crate::tool::{Folder, Outcome, SETUP};
+use crate::tool::{Folder, Outcome, SETUP, command};
 
 /// A header and the grey levels of frames, each followed by so many bytes of colour.
 fn y4m(header: &str, frames: &[Vec<u8>], colour_bytes: usize) -> Vec<u8> {
@@ -88,13 +90,46 @@ fn a_video_is_a_sequence_when_asked_for() {
     assert!(sequence["frames"][0]["ranges"][0]["line_id"].is_u64(), "{sequence}");
 }
 
+/// A small camera's frames, and a reader that takes one line of what is told of them. How many frames were taken, all
+/// of them read, and the outcome.
+fn run_for_a_reader_of_one_line(folder: &Folder, frames: usize, rest: &[&str]) -> (bool, i32, String) {
+    let mut tool = command(folder.path(), &[&["frame", "-", "--setup", "small.toml"], rest].concat())
+        .spawn()
+        .expect("the tool starts");
+    let mut pipe = tool.stdin.take().expect("a pipe");
+    let writer = std::thread::spawn(move || {
+        let header = pipe.write_all(b"YUV4MPEG2 W32 H24 Cmono\n");
+        let frame = [b"FRAME\n".to_vec(), vec![90; 32 * 24]].concat();
+        header.is_ok() && (0..frames).all(|_| pipe.write_all(&frame).is_ok())
+    });
+    let mut line = String::new();
+    BufReader::new(tool.stdout.take().expect("a pipe")).read_line(&mut line).expect("a line");
+    let output = tool.wait_with_output().expect("the tool ends");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    (writer.join().expect("no panic"), output.status.code().expect("no signal"), stderr)
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_ends_the_run() {
+    let small = SETUP.replace("640", "32").replace("480", "24").replace("fx = 600", "fx = 30");
+    let folder = Folder::new().with("small.toml", small);
+    // More than the pipe holds.
+    for rest in [&[][..], &["--json"], &["--json-lines"], &["--frame-interval-s", "0.04"]] {
+        let ended = run_for_a_reader_of_one_line(&folder, 20_000, rest);
+        assert_eq!(ended, (false, 0, String::new()), "{rest:?}");
+    }
+    // Files are written whoever reads the ranges.
+    let ended = run_for_a_reader_of_one_line(&folder, 30, &["--overlay", "seen.png"]);
+    assert_eq!(ended, (true, 0, String::new()));
+    assert_eq!(folder.files().len(), 31);
+}
+
 #[track_caller]
 fn refuse(video: &[u8], frames_before: usize, message: &str) {
     let outcome = run(video, &[]);
     assert_eq!(outcome.code, 1);
     assert!(outcome.stderr.contains(message) && outcome.stderr.lines().count() == 1, "{}", outcome.stderr);
-    let found = if frames_before > 0 { frames(&outcome.document()).len() } else { outcome.stdout.len() };
-    assert_eq!(found, frames_before);
+    assert_eq!(frames(&outcome.document()).len(), frames_before);
 }
 
 #[test]
@@ -102,6 +137,8 @@ fn videos_that_are_refused() {
     let grey = painted().into_raw();
     let whole = y4m("W640 H480 Cmono", &[grey.clone(), grey.clone()], 0);
     refuse(b"", 0, "error: -: the stream is empty");
+    // Whatever was to write it may have failed.
+    refuse(&y4m("W640 H480 Cmono", &[], 0), 0, "error: -: the video has no frame: it ends after its header");
     refuse(&png(painted()), 0, "but must be y4m: ffmpeg -i VIDEO -f yuv4mpegpipe -");
     refuse(b"YUV4MPEG2 W640 H480", 0, "a header must end within 1024 bytes");
     refuse(&[b'Y'; 5000], 0, "a header must end within 1024 bytes");
