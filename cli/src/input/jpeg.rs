@@ -33,7 +33,7 @@ impl Jpeg {
     /// The picture, and whether it is torn: bytes were lost, so that parts of it lie where they do not belong and the
     /// rest is made up.
     pub(crate) fn decode(&self) -> Result<(DynamicImage, bool)> {
-        ensure!(has_end(&self.bytes), "the file is truncated: a JPEG must have an end marker");
+        ensure!(end(&self.bytes).is_some(), "the file is truncated: a JPEG must have an end marker");
         let is_whole = is_whole(&self.bytes);
         let colours = if self.is_grey { ColorSpace::Luma } else { ColorSpace::RGB };
         let mut decoder = decoder(&self.bytes, colours, is_whole.is_none());
@@ -61,6 +61,7 @@ fn damaged(error: zune_jpeg::errors::DecodeErrors) -> anyhow::Error {
 
 const START_OF_SCAN: u8 = 0xDA;
 const HUFFMAN_TABLES: u8 = 0xC4;
+const FURTHER_PICTURES: u8 = 0xE2;
 
 /// The markers before the pixels, each with what follows it.
 fn markers(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
@@ -80,10 +81,20 @@ fn markers(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
     })
 }
 
-/// Embedded thumbnails have end markers as well, but come before the first scan.
-fn has_end(bytes: &[u8]) -> bool {
-    let mut scan = markers(bytes).filter(|(marker, _)| *marker == START_OF_SCAN);
-    scan.next().is_some_and(|(_, rest)| rest.windows(2).any(|pair| pair == [0xFF, 0xD9]))
+/// The end of the first picture. Embedded thumbnails have end markers as well, but come before the first scan.
+fn end(bytes: &[u8]) -> Option<usize> {
+    let (_, scan) = markers(bytes).find(|(marker, _)| *marker == START_OF_SCAN)?;
+    let length = scan.windows(2).position(|pair| pair == [0xFF, 0xD9])? + 2;
+    Some(bytes.len() - scan.len() + length)
+}
+
+/// The same; `None` where the file lists the pictures in it: phones and stereo cameras put others after the one to look
+/// at (CIPA DC-007).
+pub(super) fn end_of_only_picture(bytes: &[u8]) -> Option<usize> {
+    let lists_pictures = |(marker, segment): (u8, &[u8])| {
+        marker == FURTHER_PICTURES && segment.get(4..).is_some_and(|content| content.starts_with(b"MPF\0"))
+    };
+    end(bytes).filter(|_| !markers(bytes).any(lists_pictures))
 }
 
 /// `None` for a progressive one, of which the decoder sees whether it ends too early.

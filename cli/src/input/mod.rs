@@ -29,6 +29,7 @@ pub(crate) mod grey_levels;
 pub(crate) mod huffman_tables;
 pub(crate) mod jpeg_scan;
 pub(crate) mod jpeg;
+pub(crate) mod second_picture;
 pub(crate) mod picture;
 pub(crate) mod video;
 pub(crate) mod frame_source;

@@ -4,7 +4,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use anyhow::{Context, Error, Result, bail, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, GrayImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
@@ -12,6 +12,7 @@ use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::grey_levels::{self, UnusedBits};
 use super::jpeg::Jpeg;
 use super::raw_frame::RawFrame;
+use super::second_picture;
 use super::size::Size;
 
 /// A plain PPM has three numbers of five digits, each with a space.
@@ -82,6 +83,7 @@ fn decode(bytes: &[u8], expected: &PictureFormat) -> Result<Picture> {
     ensure!(!bytes.is_empty(), "the file is empty");
     let (picture, is_torn) = match image::guess_format(bytes) {
         Ok(ImageFormat::Jpeg) => {
+            second_picture::refuse(bytes, ImageFormat::Jpeg)?;
             let jpeg = Jpeg::open(bytes)?;
             refuse_other_size(jpeg.size, expected.size)?;
             jpeg.decode()?
@@ -104,8 +106,9 @@ fn plain(bytes: &[u8], format: ImageFormat, size: Option<Size>) -> Result<Dynami
     let (columns, rows) = decoder.dimensions();
     refuse_other_size(Size { columns, rows }, size)?;
     let picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
-    if format == ImageFormat::Pnm {
-        refuse_second_frame(bytes, reader.position() as usize)?;
+    match format {
+        ImageFormat::Pnm => refuse_second_frame(bytes, reader.position() as usize)?,
+        other => second_picture::refuse(bytes, other)?,
     }
     Ok(picture)
 }
@@ -134,8 +137,9 @@ fn states_its_range(bytes: &[u8]) -> bool {
     white.is_ok_and(|white| white != u32::from(u16::MAX))
 }
 
+/// With the cause alone: what is around it repeats it.
 fn damaged(error: ImageError) -> Error {
-    Error::from(error).context("the file is truncated or damaged")
+    anyhow!("the file is truncated or damaged: {}", Error::from(error).root_cause())
 }
 
 /// Netpbm files may be concatenated, but which of the frames is meant?

@@ -110,3 +110,41 @@ fn a_bmp_that_is_wrong_is_an_error() {
     refuse(encoded(GrayImage::new(640, 479), ImageFormat::Bmp), "the frame is 640 × 479 pixels, but must be 640 × 480");
     refuse("BM", "truncated or damaged");
 }
+
+/// One after the other, as a camera that streams motion JPEG writes them: which one is meant?
+#[test]
+fn a_file_of_two_pictures_is_refused() {
+    let other = GrayImage::from_pixel(640, 480, image::Luma([90]));
+    for (first, second) in [
+        (jpeg(painted()), jpeg(other.clone())),
+        (png(painted()), png(other.clone())),
+        (encoded(painted(), ImageFormat::Bmp), encoded(other, ImageFormat::Bmp)),
+    ] {
+        let alone = frame(&first);
+        for padding in [0, 1, 509] {
+            let padded = [&first[..], &vec![0; padding]].concat();
+            assert_eq!(frame(&padded), alone, "padding is no picture");
+            let message = format!("another picture begins at byte {}, but a file must hold one frame", padded.len());
+            refuse([&padded[..], &second].concat(), &message);
+        }
+        assert_eq!(frame([&first[..], b"\0\0\0\x18ftypmp42 a clip"].concat()), alone, "a clip is no picture");
+    }
+    refuse([without_tables(&jpeg(painted())), without_tables(&jpeg(painted()))].concat(), "another picture begins");
+    // A picture that lists others in its file is the one to look at.
+    let whole = jpeg(painted());
+    let listing = [&whole[..2], b"\xFF\xE2\x00\x08MPF\0ab", &whole[2..]].concat();
+    assert_eq!(frame([&listing[..], &whole].concat()), frame(&whole));
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_told_once() {
+    let mut damaged = png(painted());
+    damaged[60..200].fill(0x55);
+    for content in [damaged, b"P5 64x 480 255\nabc".to_vec(), b"P2 640 480 255\n1 2 x".to_vec()] {
+        let told = run(content).stderr;
+        let parts: Vec<_> = told.trim_end().split(": ").collect();
+        assert!(parts.len() > 3, "with its cause: {told}");
+        assert!((1..parts.len()).all(|index| !parts[..index].contains(&parts[index])), "{told}");
+        assert!(!told.contains("decoding"), "{told}");
+    }
+}
