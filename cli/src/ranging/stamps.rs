@@ -26,7 +26,7 @@ pub(crate) fn settle(points: &mut [FilePoint], setup: &Setup<f64>) -> Result<Opt
     refuse_backwards(points)?;
     if is_regular {
         smooth(points);
-        return Ok(None);
+        return Ok(clock.offset_hint());
     }
     let most_ns = points.iter().map(|point| clock.deviation_ns(point).abs()).max().unwrap_or(0);
     for point in points {
@@ -70,10 +70,28 @@ impl<'a> Clock<'a> {
         self.deviation_ns(point).abs() <= JITTER_NS + elapsed_ns / READOUT_PARTS
     }
 
+    /// How far stamps may be off that are of the middle of the exposure.
+    fn tolerance_ns(&self) -> i64 {
+        self.frame_ns / READOUT_PARTS + JITTER_NS
+    }
+
+    /// Stamps of another instant leave the distance as it is, but not the bearing.
+    fn offset_hint(&self) -> Option<String> {
+        let which = if self.offset_ns < 0 { "earlier" } else { "later" };
+        (self.offset_ns.abs() > self.tolerance_ns()).then(|| {
+            format!(
+                "the stamps are {:.4} s {which} than the readout's: they must be of the middle of each row's exposure, not of its \
+                 start or end, and count from that of the row read first; otherwise bearings are off by the motion in that time",
+                seconds(self.offset_ns.abs())
+            )
+        })
+    }
+
     /// Refuses a stamp outside the frame, and one that neither a coarse clock nor a late row explains.
     fn check(&self, point: &FilePoint, is_regular: bool) -> Result<()> {
         let exposure_s = self.setup.motion_blur().map_or(0.0, |blur| blur.exposure_s);
-        let margin_ns = self.frame_ns / READOUT_PARTS + (exposure_s * 1e9) as i64 + JITTER_NS;
+        // From the middle of the exposure to either end of it.
+        let margin_ns = self.tolerance_ns() + (exposure_s * 1e9) as i64 / 2;
         let most_lag_ns = margin_ns.max(self.frame_ns / 100 * MOST_LAG_PERCENT);
         let beside_ns = if is_regular { margin_ns } else { most_lag_ns };
         let is_within = (-beside_ns..=self.frame_ns + beside_ns).contains(&point.point.time_ns);

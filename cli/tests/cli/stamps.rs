@@ -59,14 +59,23 @@ fn stamps_at_another_pace_are_refused() {
     refuse(&format!("line 12: `time_s` is 0.025669, {near}: {OTHER_CAUSE}"), |_, own_s| 0.0333 - own_s - 0.000694);
 }
 
+/// Both are half an exposure from the middle, which a stamp should be of.
 #[test]
 fn a_known_exposure_allows_for_either_end_of_it() {
-    let late = |_: u32, own_s: f64| own_s + 0.01;
-    let edges = stamped(10, "", "", late);
-    assert_eq!(Folder::of(SETUP, &edges).edges().code, 1);
+    let edges = |offset_s: f64| stamped(10, "", "", move |_, own_s| own_s + offset_s);
     let exposed = SETUP.replace("fx = 600", "fx = 600\nexposure_s = 0.01");
-    let outcome = Folder::of(&exposed, &edges).edges();
-    assert_eq!((outcome.code, outcome.stderr.as_str()), (0, ""));
+    let (_, hints) = found(&exposed, &edges(0.001));
+    assert!(hints.is_empty(), "{hints:?}");
+    for (offset_s, told) in [(0.005, "0.0050 s later"), (-0.005, "0.0050 s earlier")] {
+        let edges = edges(offset_s);
+        assert_eq!(Folder::of(SETUP, &edges).edges().code, 1);
+        let (range, hints) = found(&exposed, &edges);
+        assert_eq!(range["status"], "ok");
+        assert!(hints.len() == 1 && hints[0].starts_with(&format!("the stamps are {told} than")), "{hints:?}");
+    }
+    for offset_s in [0.01, -0.01] {
+        assert_eq!(Folder::of(&exposed, &edges(offset_s)).edges().code, 1, "a whole exposure");
+    }
 }
 
 /// The only range and the hints.
