@@ -2,7 +2,8 @@
 
 use anyhow::Result;
 use shutter_range::{
-    Continuity, FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Sequence, Setup,
+    Continuity, FrameReport, LensBlur, Line, Motion, MotionBlur, Pose, Post, Range, RangeStatus, Scalar, Sequence,
+    Setup,
 };
 
 use super::camera_motion::{CameraMotion, MotionInFrame};
@@ -91,6 +92,7 @@ impl FrameSequence {
         let motion = &self.down.motion(motion);
         let sigma_gravity_rad = self.setup.uncertainty().sigma_gravity;
         let (mut ranges, untold): (Vec<_>, Vec<_>) = self.ranges(motion, lines)?.into_iter().partition(is_told);
+        ranges.iter_mut().for_each(|range| see_in_its_column(range, &self.setup));
         ranges.sort_by(|a, b| a.column_at_first_row.total_cmp(&b.column_at_first_row));
         let mut report = FrameReport::new();
         ranges.iter().for_each(|range| report.add(range));
@@ -154,6 +156,15 @@ impl FrameSequence {
             None => Ok(ranges),
         }
     }
+}
+
+/// An edge to which nothing could be fitted has no bearing but that of its column.
+fn see_in_its_column(range: &mut Range<f64>, setup: &Setup<f64>) {
+    if range.estimate.sigma_bearing < f64::UNKNOWN {
+        return;
+    }
+    let ray = setup.camera().ray(range.column_at_first_row, range.first_row.into());
+    range.estimate.bearing = ray.map_or(range.estimate.bearing, |ray| ray.u);
 }
 
 /// With the exposure that it has.

@@ -285,6 +285,20 @@ fn what_does_not_fit_is_counted() {
     assert!(folder.edges().stdout.contains("dropped because the tables were full: 552 edge points, "));
 }
 
+/// Two rows are too few for a fit, but they are somewhere.
+#[test]
+fn an_edge_that_cannot_be_fitted_has_the_bearing_of_its_column() {
+    for (setup, bearing) in [
+        (SETUP.to_string(), (5.0 - 319.5) / 600.0),
+        // Barrel: what is seen at the border lies farther out.
+        (SETUP.replace("fx = 600", "fx = 600\ndistortion = [-0.1, 0, 0, 0]"), -0.558),
+    ] {
+        let range = Folder::of(&setup, "row,column,line\n230,5,1\n240,5,1\n").ranges().remove(0);
+        assert_eq!(range["status"], "short");
+        assert_near(number(&range, "bearing"), bearing, 0.02);
+    }
+}
+
 #[test]
 fn text_has_one_line_for_each_range() {
     let far = (0..480).step_by(10).map(|row| format!("{row},{:.4}\n", column(0.4, 1e5, row))).collect::<String>();
