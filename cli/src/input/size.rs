@@ -16,17 +16,20 @@ impl Size {
 }
 
 impl FromStr for Size {
-    type Err = &'static str;
+    type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let parts = text.split_once(['x', 'X', '×']);
         let size = parts.and_then(|(columns, rows)| Some(Self { columns: length(columns)?, rows: length(rows)? }));
-        size.ok_or("it must be two whole numbers of pixels, such as 640x480")
+        size.ok_or_else(|| format!("it must be two whole numbers of pixels from 1 to {LONGEST}, such as 640x480"))
     }
 }
 
+/// As many columns and rows as the library counts.
+const LONGEST: u32 = 32_767;
+
 fn length(text: &str) -> Option<u32> {
-    text.parse().ok().filter(|pixels| (1..=32_767).contains(pixels))
+    text.parse().ok().filter(|pixels| (1..=LONGEST).contains(pixels))
 }
 
 impl Display for Size {
