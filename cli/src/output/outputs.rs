@@ -1,7 +1,6 @@
 //! [`Output`]: a file that a command will write. None may replace what the command reads, or another one.
 
 use std::collections::HashMap;
-use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -40,24 +39,22 @@ impl Output {
         names.filter(|path| self.may_be(path)).collect()
     }
 
+    /// Of one that stands for several: whether the file is one of them.
     fn may_be(&self, file: &Path) -> bool {
-        if !self.is_numbered {
-            return self.path == file;
-        }
-        let stem = file.file_stem().and_then(OsStr::to_str).unwrap_or_default();
+        // Its digits are the same whatever the bytes before them are.
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy();
         let number = stem.rsplit('-').next().unwrap_or_default();
         let is_number = number.len() >= 4 && number.bytes().all(|digit| digit.is_ascii_digit());
         is_number && with_stem(&self.path, Path::new(number)) == file
     }
 
-    /// Whether both may be written to one file.
+    /// The same of another output.
     fn meets(&self, other: &Self) -> bool {
-        let is_same = self.path == other.path && self.is_numbered == other.is_numbered;
-        is_same || self.may_be(&other.path) || other.may_be(&self.path)
+        if other.is_numbered { self.path == other.path } else { self.may_be(&other.path) }
     }
 }
 
-/// The name of an output for one of several frames.
+/// The picture that stands for `out` where there are several frames.
 pub(crate) fn with_stem(out: &Path, frame: &Path) -> PathBuf {
     let [mut name, stem] = [out, frame].map(|path| path.file_stem().unwrap_or_default().to_os_string());
     name.push("-");
@@ -69,12 +66,13 @@ pub(crate) fn with_stem(out: &Path, frame: &Path) -> PathBuf {
 /// Refuses outputs that would replace an input or each other, however their names are spelt.
 pub(crate) fn check<'a>(inputs: impl IntoIterator<Item = &'a Path>, outputs: &[Output]) -> Result<(), String> {
     let inputs: HashMap<_, _> = inputs.into_iter().map(|input| (FileIdentity::of(input), input)).collect();
+    let numbered: Vec<&Output> = outputs.iter().filter(|output| output.is_numbered).collect();
     let mut written: HashMap<FileIdentity, &Output> = HashMap::new();
-    for (index, output) in outputs.iter().enumerate() {
+    for output in outputs {
         let refuse = |other: &Output, file: &Path| {
             Err(format!("{} and {} would be written to one file, {}", other.what, output.what, file.display()))
         };
-        if let Some(other) = outputs.iter().take(index).find(|other| other.meets(output)) {
+        if let Some(other) = numbered.iter().find(|other| !std::ptr::eq(**other, output) && other.meets(output)) {
             return refuse(other, &output.path);
         }
         for file in output.files() {
@@ -83,7 +81,7 @@ pub(crate) fn check<'a>(inputs: impl IntoIterator<Item = &'a Path>, outputs: &[O
                 let (what, input, file) = (&output.what, input.display(), file.display());
                 return Err(format!("{what} would replace {input}: {file} is the same file"));
             }
-            if let Some(other) = written.insert(identity, output) {
+            if let Some(other) = written.insert(identity, output).filter(|other| !std::ptr::eq(*other, output)) {
                 return refuse(other, &file);
             }
         }

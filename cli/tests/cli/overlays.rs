@@ -133,7 +133,7 @@ fn overlays_of_a_video_replace_no_frame_and_no_other_overlay() {
         (
             &["v-0001.png", "v.y4m"],
             "z.png",
-            "--overlay of v-0001.png and --overlay of v.y4m would be written to one file",
+            "--overlay of v.y4m and --overlay of v-0001.png would be written to one file",
         ),
         (&["v.y4m", "./v.y4m"], "z.png", "would be written to one file, z-v.png"),
     ] {
