@@ -19,6 +19,39 @@ pub(crate) fn frequency_sigma(text: &str) -> Result<f64, String> {
     within(text, 0.0, 100_000.0, "a number from 0 to 100000 (Hz)")
 }
 
+/// Of targets that the library plans for.
+pub(crate) fn depth(text: &str) -> Result<f64, String> {
+    within(text, 0.001, 100_000.0, "a number from 0.001 to 100000 (m)")
+}
+
+pub(crate) fn wanted_sigma(text: &str) -> Result<f64, String> {
+    within(text, 0.00001, 1.0, "a number from 0.00001 to 1 (relative: 0.1 is 10 %)")
+}
+
+/// Lowest and highest speed that the library plans for.
+pub(crate) const SPEEDS_M_S: (f64, f64) = (0.001, 1000.0);
+
+pub(crate) fn speed(text: &str) -> Result<f64, String> {
+    let (least, most) = SPEEDS_M_S;
+    within(text, least, most, &format!("a number from {least} to {most} (m/s)"))
+}
+
+pub(crate) fn height(text: &str) -> Result<f64, String> {
+    within(text, 0.0001, 20_000.0, "a number from 0.0001 to 20000 (m)")
+}
+
+pub(crate) fn width(text: &str) -> Result<f64, String> {
+    within(text, 0.0001, 10_000.0, "a number from 0.0001 to 10000 (m)")
+}
+
+pub(crate) fn bearing(text: &str) -> Result<f64, String> {
+    within(text, -10.0, 10.0, "a number from -10 to 10 (x/z)")
+}
+
+pub(crate) fn pixel_noise(text: &str) -> Result<f64, String> {
+    within(text, 0.0, 100.0, "a number from 0 to 100")
+}
+
 pub(crate) fn roll(text: &str) -> Result<f64, String> {
     within(text, 0.0, 45.0, "a number from 0 to 45 (degrees)")
 }

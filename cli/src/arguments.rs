@@ -8,8 +8,8 @@ use shutter_range::format::PixelFormat;
 use shutter_range::sim::Swing;
 
 use crate::argument_values::{
-    above_zero, clock_offset, contrast, html_path, interval, megahertz, png_path, svg_path, swing_angle,
-    swing_frequency,
+    bearing, clock_offset, contrast, depth, height, html_path, interval, megahertz, pixel_noise, png_path, speed,
+    svg_path, swing_angle, swing_frequency, wanted_sigma, width,
 };
 use crate::calibrate_arguments::CalibrateCommand;
 use crate::help;
@@ -75,44 +75,44 @@ pub(crate) enum Command {
 
 #[derive(Args)]
 pub(crate) struct PlanArgs {
-    /// Camera, motion and attitude (TOML); several are compared, at the first one's motion
+    /// Camera, motion and attitude (TOML); several are compared, all at the first one's motion and gravity
     #[arg(long = "setup", value_name = "FILE", required = true)]
     pub(crate) setups: Vec<PathBuf>,
     /// Nearest depth in metres
-    #[arg(long, value_name = "METRES", default_value_t = 0.5, value_parser = above_zero)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.5, value_parser = depth)]
     pub(crate) from: f64,
     /// Farthest depth in metres
-    #[arg(long, value_name = "METRES", default_value_t = 10.0, value_parser = above_zero)]
+    #[arg(long, value_name = "METRES", default_value_t = 10.0, value_parser = depth)]
     pub(crate) to: f64,
     /// Depths between the two
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) steps: u32,
     /// Wanted sigma, relative
-    #[arg(long, value_name = "SIGMA", default_value_t = 0.1, value_parser = above_zero)]
+    #[arg(long, value_name = "SIGMA", default_value_t = 0.1, value_parser = wanted_sigma)]
     pub(crate) sigma: f64,
     /// Lowest speed; default: the setup's
-    #[arg(long, value_name = "SPEED", value_parser = above_zero)]
+    #[arg(long, value_name = "SPEED", value_parser = speed)]
     pub(crate) slowest_m_s: Option<f64>,
     /// Highest speed; default: the setup's
-    #[arg(long, value_name = "SPEED", value_parser = above_zero)]
+    #[arg(long, value_name = "SPEED", value_parser = speed)]
     pub(crate) fastest_m_s: Option<f64>,
     /// Height of the post, half of it above the camera
-    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = above_zero)]
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, value_parser = height)]
     pub(crate) height_m: f64,
     /// Width of the post
-    #[arg(long, value_name = "METRES", default_value_t = 0.12, value_parser = above_zero)]
+    #[arg(long, value_name = "METRES", default_value_t = 0.12, value_parser = width)]
     pub(crate) width_m: f64,
     /// Grey levels between the post and what is behind it
     #[arg(long, value_name = "LEVELS", default_value_t = 110.0, value_parser = contrast)]
     pub(crate) contrast: f64,
     /// x/z of the post at frame start
-    #[arg(long, value_name = "BEARING", default_value_t = 0.0)]
+    #[arg(long, value_name = "BEARING", default_value_t = 0.0, value_parser = bearing)]
     pub(crate) bearing: f64,
     /// Read noise, one sigma in grey levels
-    #[arg(long, value_name = "LEVELS", default_value_t = 2.5)]
+    #[arg(long, value_name = "LEVELS", default_value_t = 2.5, value_parser = pixel_noise)]
     pub(crate) read_noise: f64,
     /// Variance of shot noise per grey level
-    #[arg(long, value_name = "GAIN", default_value_t = 0.03)]
+    #[arg(long, value_name = "GAIN", default_value_t = 0.03, value_parser = pixel_noise)]
     pub(crate) shot_gain: f64,
     /// Draw sigma against depth
     #[arg(long, value_name = "OUT.svg", value_parser = svg_path)]

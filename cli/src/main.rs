@@ -152,6 +152,7 @@ fn run_imu(arguments: &ImuArgs, json: bool) -> Result<ExitCode> {
 }
 
 fn run_plan(arguments: &PlanArgs, json: bool) -> Result<String> {
+    plan::check(arguments).unwrap_or_else(|message| arguments::refuse(&message));
     check_chart(arguments.svg.as_deref(), paths(&arguments.setups));
     let document = plan::plan(arguments)?;
     if let Some(path) = &arguments.svg {

@@ -2,11 +2,12 @@
 
 use std::fmt::Write;
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
+use shutter_range::ErrorSource;
 use shutter_range::plan::{CameraMode, Choice, PixelNoise, Planner, Prediction, Request, Target, Verdict, choose};
-use shutter_range::{ErrorSource, ParameterError};
 
+use crate::argument_values::SPEEDS_M_S;
 use crate::arguments::PlanArgs;
 use crate::input::setup::{self, SetupSource};
 use crate::output::chart::{Axis, Chart};
@@ -18,6 +19,8 @@ const MODES: usize = 32;
 
 #[derive(Serialize)]
 pub(crate) struct Document {
+    /// Of the first setup, whose motion is that of all plans.
+    speed_m_s: f64,
     plans: Vec<Plan>,
     /// Index of the setup that suits best; null where none suits.
     best: Option<usize>,
@@ -58,6 +61,22 @@ struct Part {
     relative_sigma: f64,
 }
 
+/// Refuses options that are wrong only together.
+pub(crate) fn check(arguments: &PlanArgs) -> Result<(), String> {
+    let PlanArgs { from, to, slowest_m_s, fastest_m_s, .. } = *arguments;
+    if from > to {
+        return Err(format!("--from is {from}, but must be at most --to, which is {to} (m)"));
+    }
+    if let Some((slowest, fastest)) = slowest_m_s.zip(fastest_m_s).filter(|(slowest, fastest)| slowest > fastest) {
+        return Err(format!("--slowest-m-s is {slowest}, but must be at most --fastest-m-s, which is {fastest} (m/s)"));
+    }
+    let setups = arguments.setups.len();
+    if setups > MODES {
+        return Err(format!("--setup is given {setups} times, but must be given at most {MODES} times"));
+    }
+    Ok(())
+}
+
 pub(crate) fn plan(arguments: &PlanArgs) -> Result<Document> {
     let setups: Vec<_> = arguments
         .setups
@@ -69,39 +88,49 @@ pub(crate) fn plan(arguments: &PlanArgs) -> Result<Document> {
     let target = target(arguments);
     let motion = setups.first().context("there is no setup")?.motion;
     let speed_m_s = length(motion.velocity_m_s());
-    let request = Request {
-        nearest_m: arguments.from,
-        farthest_m: arguments.to,
-        slowest_m_s: arguments.slowest_m_s.unwrap_or(speed_m_s),
-        fastest_m_s: arguments.fastest_m_s.unwrap_or(speed_m_s),
-        relative_sigma: arguments.sigma,
-    };
-    let choice: Choice<f64, MODES> =
-        choose(&modes, &motion, target, &request).map_err(|error| anyhow!("{}", by_its_option(&error)))?;
+    let request = request(arguments, speed_m_s).with_context(|| name(arguments, 0))?;
+    let choice: Choice<f64, MODES> = choose(&modes, &motion, target, &request)?;
     let mut plans = Vec::new();
-    for ((file, mode), (index, verdict)) in setups.iter().zip(&modes).zip(choice.verdicts.iter().enumerate()) {
-        let planner = Planner::new(mode, &file.motion, target)?;
+    for (mode, (index, verdict)) in modes.iter().zip(choice.verdicts.iter().enumerate()) {
+        let planner = Planner::new(mode, &motion, target)?;
         let suits = matches!(verdict, Verdict::Suits { .. });
-        let setup = arguments.setups.get(index).map(|path| path.display().to_string()).unwrap_or_default();
-        plans.push(Plan::new(setup, suits, verdict.to_string(), &planner, arguments)?);
+        plans.push(Plan::new(name(arguments, index), suits, verdict.to_string(), &planner, arguments)?);
     }
-    Ok(Document { plans, best: choice.best })
+    Ok(Document { speed_m_s, plans, best: choice.best })
 }
 
-/// A parameter that the library refuses, under its option.
-fn by_its_option(error: &ParameterError) -> String {
-    const OPTIONS: [(&str, &str); 6] = [
-        ("nearest_m", "--from"),
-        ("farthest_m", "--to"),
-        ("slowest_m_s", "--slowest-m-s"),
-        ("fastest_m_s", "--fastest-m-s"),
-        ("relative_sigma", "--sigma"),
-        ("width_m", "--width-m"),
-    ];
-    let by_option =
-        |text: &str| OPTIONS.iter().fold(text.to_string(), |text, (name, option)| text.replace(name, option));
-    let default = if error.parameter.ends_with("_m_s") { " (default: the setup's speed)" } else { "" };
-    format!("{}{default} is {}, but must be {}", by_option(error.parameter), error.value, by_option(error.expected))
+/// Of a setup, as it was given.
+fn name(arguments: &PlanArgs, index: usize) -> String {
+    arguments.setups.get(index).map(|path| path.display().to_string()).unwrap_or_default()
+}
+
+/// What is wanted, in the direction of a motion and, unless options say otherwise, at its speed.
+fn request(arguments: &PlanArgs, speed_m_s: f64) -> Result<Request<f64>> {
+    ensure!(speed_m_s > 0.0, "`motion.velocity_m_s` is zero, but must have a direction: at rest nothing is measured");
+    let (slowest_m_s, fastest_m_s) = (arguments.slowest_m_s, arguments.fastest_m_s);
+    let (least, most) = SPEEDS_M_S;
+    ensure!(
+        (least..=most).contains(&speed_m_s) || slowest_m_s.and(fastest_m_s).is_some(),
+        "`motion.velocity_m_s` is {speed_m_s} m/s long, but must be {least} to {most} m/s unless --slowest-m-s and \
+         --fastest-m-s are given"
+    );
+    match (slowest_m_s, fastest_m_s) {
+        (Some(slowest), None) if slowest > speed_m_s => bail!(
+            "--slowest-m-s is {slowest}, but must be at most {speed_m_s} (m/s), the speed of the setup, unless \
+             --fastest-m-s is given"
+        ),
+        (None, Some(fastest)) if fastest < speed_m_s => bail!(
+            "--fastest-m-s is {fastest}, but must be at least {speed_m_s} (m/s), the speed of the setup, unless \
+             --slowest-m-s is given"
+        ),
+        _ => Ok(Request {
+            nearest_m: arguments.from,
+            farthest_m: arguments.to,
+            slowest_m_s: slowest_m_s.unwrap_or(speed_m_s),
+            fastest_m_s: fastest_m_s.unwrap_or(speed_m_s),
+            relative_sigma: arguments.sigma,
+        }),
+    }
 }
 
 fn target(arguments: &PlanArgs) -> Target<f64> {
@@ -144,9 +173,9 @@ impl Plan {
     }
 }
 
-/// Each by the same factor farther than the one before.
+/// Each by the same factor farther than the one before; rounding leads to none beyond the last.
 fn depths(from: f64, to: f64, steps: u32) -> impl Iterator<Item = f64> {
-    (0..=steps).map(move |step| from * (to / from).powf(f64::from(step) / f64::from(steps.max(1))))
+    (0..=steps).map(move |step| (from * (to / from).powf(f64::from(step) / f64::from(steps.max(1)))).clamp(from, to))
 }
 
 impl Row {
@@ -173,7 +202,11 @@ impl Row {
 }
 
 pub(crate) fn text(document: &Document, colours: bool) -> String {
-    let mut text = String::new();
+    let speed_m_s = document.speed_m_s;
+    let mut text = match &document.plans[..] {
+        [first, _, ..] => format!("tables: at the motion of {}, {speed_m_s:.2} m/s\n\n", first.setup),
+        _ => format!("table: at the setup's motion, {speed_m_s:.2} m/s\n\n"),
+    };
     for (index, plan) in document.plans.iter().enumerate() {
         let best = if document.best == Some(index) && document.plans.len() > 1 { " (best)" } else { "" };
         let _ = writeln!(text, "{}{best}: {}", plan.setup, plan.verdict);

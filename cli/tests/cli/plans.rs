@@ -65,30 +65,89 @@ fn the_best_of_several_setups_and_why_the_others_lost() {
     assert!(verdict(2).contains("too blurred"), "{}", verdict(2));
 }
 
+/// A verdict and the table under it are for one motion: that of the first setup.
 #[test]
-fn plan_refuses_what_is_wrong() {
-    let folder = Folder::new().with("setup.toml", USUAL).with("rest.toml", USUAL.replace("1.5", "0"));
-    let plan = |arguments: &[&str]| folder.run(&[&["plan", "--setup", "setup.toml"], arguments].concat());
-    for arguments in [["--from", "0"], ["--to", "-1"], ["--sigma", "nan"], ["--steps", "0"], ["--contrast", "300"]] {
-        assert_eq!(plan(&arguments).code, 2, "{arguments:?}");
+fn all_setups_are_planned_at_the_motion_of_the_first() {
+    let folder = Folder::new().with("fast.toml", USUAL).with("slow.toml", USUAL.replace("1.5", "0.15"));
+    let plans = |setups: [&str; 2]| {
+        let arguments = ["plan", "--setup", setups[0], "--setup", setups[1], "--from", "1", "--to", "3", "--json"];
+        let document = folder.run(&arguments).json();
+        let [first, second] = [0, 1].map(|index| document["plans"][index].clone());
+        for key in ["verdict", "depths", "nearest_m", "farthest_m", "slowest_m_s"] {
+            assert_eq!(first[key], second[key], "{key}: the setups differ in their motion alone");
+        }
+        (number(&document, "speed_m_s"), first)
+    };
+    let ((fast_m_s, fast), (slow_m_s, slow)) = (plans(["fast.toml", "slow.toml"]), plans(["slow.toml", "fast.toml"]));
+    assert_eq!((fast_m_s, slow_m_s), (1.5, 0.15));
+    assert_ne!(fast["depths"], slow["depths"]);
+    let text = folder.run(&["plan", "--setup", "slow.toml", "--setup", "fast.toml"]).stdout;
+    assert!(text.contains("motion of slow.toml, 0.15 m/s"), "{text}");
+}
+
+/// An option that is wrong is bad usage, and told by the name that was typed.
+#[test]
+fn options_out_of_range_are_bad_usage() {
+    let folder = Folder::new().with("setup.toml", USUAL);
+    for (option, value) in [
+        ("--from", "0"),
+        ("--from", "1e-4"),
+        ("--to", "-1"),
+        ("--to", "1e6"),
+        ("--steps", "0"),
+        ("--sigma", "nan"),
+        ("--sigma", "-1"),
+        ("--sigma", "5"),
+        ("--slowest-m-s", "1e-5"),
+        ("--fastest-m-s", "2000"),
+        ("--height-m", "1e9"),
+        ("--width-m", "1e6"),
+        ("--contrast", "300"),
+        ("--bearing", "nan"),
+        ("--bearing", "-11"),
+        ("--read-noise", "-1"),
+        ("--shot-gain", "inf"),
+    ] {
+        let outcome = folder.run(&["plan", "--setup", "setup.toml", option, value]);
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (2, ""), "{option} {value}");
+        let message = format!("'{value}' for '{option} <");
+        assert!(outcome.stderr.contains(&message), "{option} {value}: {}", outcome.stderr);
     }
-    let reversed = plan(&["--from", "5", "--to", "2"]);
-    assert!(
-        reversed.code == 1 && reversed.stderr.contains("--from is 5, but must be 0.001 to --to (m)"),
-        "{}",
-        reversed.stderr
-    );
-    let slow = plan(&["--slowest-m-s", "3"]);
-    assert!(
-        slow.code == 1 && slow.stderr.contains("is 3, but must be 0.001 to --fastest-m-s (m/s)"),
-        "{}",
-        slow.stderr
-    );
-    let wide = plan(&["--width-m", "1e6"]);
-    assert!(wide.code == 1 && wide.stderr.contains("--width-m is 1000000"), "{}", wide.stderr);
-    let negative = plan(&["--sigma", "-1"]);
-    assert!(negative.stderr.contains("'--sigma <SIGMA>': it must be a finite number above 0"), "{}", negative.stderr);
-    let rest = folder.run(&["plan", "--setup", "rest.toml"]);
-    assert_eq!(rest.code, 1, "{}", rest.stdout);
+    // The ends of the ranges are taken.
+    for (option, value) in
+        [("--height-m", "20000"), ("--bearing", "-10"), ("--read-noise", "0"), ("--to", "100000"), ("--sigma", "1")]
+    {
+        let outcome = folder.run(&["plan", "--setup", "setup.toml", option, value]);
+        assert_eq!(outcome.code, 0, "{option} {value}: {}", outcome.stderr);
+    }
+}
+
+#[test]
+fn options_that_contradict_each_other_are_bad_usage() {
+    let folder = Folder::new().with("setup.toml", USUAL);
+    let plan = |arguments: &[&str]| folder.run(&[&["plan", "--setup", "setup.toml"], arguments].concat());
+    let reversed = plan(&["--from", "10", "--to", "1"]);
+    let message = "--from is 10, but must be at most --to, which is 1 (m)";
+    assert!(reversed.code == 2 && reversed.stderr.contains(message), "{}", reversed.stderr);
+    let slow = plan(&["--slowest-m-s", "5", "--fastest-m-s", "1"]);
+    let message = "--slowest-m-s is 5, but must be at most --fastest-m-s, which is 1 (m/s)";
+    assert!(slow.code == 2 && slow.stderr.contains(message), "{}", slow.stderr);
+    let many = plan(&["--setup", "setup.toml"].repeat(32));
+    assert!(many.code == 2 && many.stderr.contains("--setup is given 33 times"), "{}", many.stderr);
+}
+
+#[test]
+fn speeds_that_the_setup_contradicts() {
+    let folder = Folder::new().with("setup.toml", USUAL).with("rest.toml", USUAL.replace("1.5", "0"));
+    let refused = |setup: &str, arguments: &[&str], message: &str| {
+        let outcome = folder.run(&[&["plan", "--setup", setup], arguments].concat());
+        assert_eq!(outcome.code, 1, "{}", outcome.stdout);
+        assert!(outcome.stderr.starts_with(&format!("error: {setup}: {message}")), "{}", outcome.stderr);
+    };
+    refused("setup.toml", &["--slowest-m-s", "3"], "--slowest-m-s is 3, but must be at most 1.5 (m/s)");
+    refused("setup.toml", &["--fastest-m-s", "1"], "--fastest-m-s is 1, but must be at least 1.5 (m/s)");
+    let at_rest = "`motion.velocity_m_s` is zero, but must have a direction";
+    refused("rest.toml", &[], at_rest);
+    refused("rest.toml", &["--slowest-m-s", "1", "--fastest-m-s", "2"], at_rest);
     assert_eq!(folder.run(&["plan"]).code, 2);
 }
