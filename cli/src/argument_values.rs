@@ -2,9 +2,29 @@
 
 use std::path::PathBuf;
 
+use crate::input::bounds::Bounds;
+use crate::input::camera_keys::FOCAL_PX;
+use crate::input::pass_file::READOUT;
+
 fn within(text: &str, least: f64, most: f64, expected: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number| (least..=most).contains(number));
     number.ok_or_else(|| format!("it must be {expected}"))
+}
+
+/// As a file may have it.
+fn as_in_files(text: &str, bounds: Bounds) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| bounds.contain(*number));
+    number.ok_or_else(|| format!("it must be {bounds}"))
+}
+
+/// As a setup may have it.
+pub(crate) fn focal_length(text: &str) -> Result<f64, String> {
+    as_in_files(text, FOCAL_PX)
+}
+
+/// As passes may have it.
+pub(crate) fn readout(text: &str) -> Result<f64, String> {
+    as_in_files(text, READOUT)
 }
 
 pub(crate) fn above_zero(text: &str) -> Result<f64, String> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use crate::argument_values::{above_zero, frequency, frequency_sigma, roll, svg_path};
+use crate::argument_values::{above_zero, focal_length, frequency, frequency_sigma, readout, roll, svg_path};
 use crate::help;
 use crate::input::raw_frame::RawFrame;
 use crate::setup_arguments::{MotionArgs, SetupArgs};
@@ -69,13 +69,14 @@ pub(crate) struct ScaleArgs {
     #[arg(value_name = "PASSES.csv")]
     pub(crate) file: PathBuf,
     /// Focal length in pixels, if it is known: gives the line time
-    #[arg(long, value_name = "PIXELS", value_parser = above_zero)]
+    #[arg(long, value_name = "PIXELS", value_parser = focal_length)]
     pub(crate) focal_px: Option<f64>,
-    /// Readout of the frame, if it is known: gives the focal length
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "focal_px")]
+    /// Readout of the frame, if it is known: gives kappa, and with --rows the focal length
+    #[arg(long, value_name = "SECONDS", value_parser = readout, conflicts_with = "focal_px")]
     pub(crate) readout_s: Option<f64>,
-    /// Rows of the frame, for the focal length
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    /// Rows of the frame: with --readout-s, or the column readout_s, gives the focal length
+    #[arg(long, value_name = "N", conflicts_with = "focal_px")]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=32_767))]
     pub(crate) rows: Option<u16>,
     /// How well the camera's roll is known to be none, one standard deviation; 0: exactly. Default: it is fitted
     #[arg(long, value_name = "DEGREES", value_parser = roll)]

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use shutter_range::calibrate::{Pass, Scale, ScaleRefusal, fit_scale};
 use shutter_range::{Line, Setup};
@@ -19,6 +19,9 @@ use crate::ranging::tracking::KNOTS;
 
 /// As many passes as a person drives in a day.
 const PASSES: usize = 1024;
+
+/// A hint.
+const FOCAL_LENGTH: &str = "with --rows, the rows of a frame, kappa gives the focal length";
 
 #[derive(Serialize)]
 pub(crate) struct Document {
@@ -40,6 +43,7 @@ pub(crate) struct Document {
     passes: Vec<PassReport>,
     /// In words for a person.
     message: Option<String>,
+    hints: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -57,12 +61,34 @@ struct PassReport {
 
 pub(crate) fn measure(arguments: &ScaleArgs) -> Result<Document> {
     let file = pass_file::load(&arguments.file)?;
-    let slopes: Vec<f64> = file.iter().map(slope).collect::<Result<_>>()?;
-    let passes: Vec<Pass<f64>> =
-        file.iter().zip(&slopes).map(|(pass, slope)| pass.pass(*slope)).collect::<Result<_>>()?;
+    let name = || arguments.file.display().to_string();
+    check_readouts(arguments, &file).with_context(name)?;
+    let slopes: Vec<f64> = file.iter().map(slope).collect::<Result<_>>().with_context(name)?;
+    let passes = file.iter().zip(&slopes).map(|(pass, slope)| pass.pass(*slope));
+    let passes: Vec<Pass<f64>> = passes.collect::<Result<_>>().with_context(name)?;
     let sigma_tilt = arguments.sigma_roll_deg.map(f64::to_radians);
     let found = fit_scale::<f64, PASSES>(&passes, sigma_tilt);
     Ok(Document::new(arguments, &file, &slopes, &found))
+}
+
+/// With stated readouts the scale is κ, else κ times the readout. All passes have one, or none has.
+fn have_readouts(file: &[FilePass]) -> bool {
+    file.first().is_some_and(|pass| pass.readout_s.is_some())
+}
+
+/// Refuses options that would say nothing, or something else, beside the passes.
+fn check_readouts(arguments: &ScaleArgs, file: &[FilePass]) -> Result<()> {
+    let stated = "the column `readout_s` states the readout of each pass";
+    match (have_readouts(file), arguments) {
+        (true, ScaleArgs { readout_s: Some(_), .. }) => bail!("{stated}: leave out --readout-s, or that column"),
+        (true, ScaleArgs { focal_px: Some(_), .. }) => {
+            bail!("{stated}, and --focal-px gives the line time where it is not known: leave out one of them")
+        }
+        (false, ScaleArgs { readout_s: None, rows: Some(_), .. }) => {
+            bail!("--rows gives the focal length where the readout is known: give --readout-s, or a column `readout_s`")
+        }
+        _ => Ok(()),
+    }
 }
 
 fn slope(pass: &FilePass) -> Result<f64> {
@@ -101,8 +127,7 @@ impl Document {
         found: &Result<Scale<f64, PASSES>, ScaleRefusal<f64>>,
     ) -> Self {
         let found_one = found.as_ref().ok();
-        // With stated readouts the scale is κ, else κ times the readout.
-        let of_kappa = file.iter().all(|pass| pass.readout_s.is_some());
+        let of_kappa = have_readouts(file);
         let of_scale = |value: fn(&Scale<f64, PASSES>) -> f64| found_one.filter(|_| !of_kappa).map(value);
         let per_readout = if of_kappa { Some(1.0) } else { arguments.readout_s.map(|readout_s| 1.0 / readout_s) };
         let of_kappa_value = |value: f64| per_readout.map(|per_readout| value * per_readout);
@@ -123,6 +148,7 @@ impl Document {
             relative_sigma: found_one.map(Scale::relative_sigma),
             passes: file.iter().zip(slopes).enumerate().map(|(index, pass)| report(index, pass, found_one)).collect(),
             message: found.as_ref().err().map(ToString::to_string),
+            hints: kappa.filter(|_| arguments.rows.is_none()).map(|_| FOCAL_LENGTH.to_string()).into_iter().collect(),
         }
     }
 }
@@ -160,6 +186,9 @@ pub(crate) fn text(document: &Document, colours: bool) -> String {
         let _ = writeln!(text, "no scale: {message}");
     }
     write_values(document, &mut text);
+    for hint in &document.hints {
+        let _ = writeln!(text, "hint: {hint}");
+    }
     text
 }
 

@@ -7,7 +7,7 @@ use super::bounds::Bounds;
 use super::keys::{Section, by_its_key};
 
 const SIZE: Bounds = Bounds::whole(1.0, 32_767.0, "pixels");
-const FOCAL_PX: Bounds = Bounds::number(1.0, 1e6, "focal length in pixels");
+pub(crate) const FOCAL_PX: Bounds = Bounds::number(1.0, 1e6, "focal length in pixels");
 const PIXELS: Bounds = Bounds::finite("pixels");
 
 /// What is known of the blur of edges.

@@ -9,6 +9,7 @@ use shutter_range::rse::Shear;
 use super::bounded_read::{self, Limit, MEBIBYTE};
 use super::bounds::Bounds;
 use super::table_file::{Columns, Record, TableFile};
+use super::usual::READOUT_S;
 
 /// Nobody drives past an edge a million times.
 const LIMIT: Limit<'_> = Limit { bytes: MEBIBYTE, rule: "a file of passes must have at most" };
@@ -35,7 +36,8 @@ const SPEED: Bounds = Bounds::number(-10_000.0, 10_000.0, "m/s, positive where t
 const DISTANCE: Bounds = Bounds::above_zero(10_000.0, "metres");
 const SLOPE: Bounds = Bounds::number(-100.0, 100.0, "pixels per row");
 const ANGLE: Bounds = Bounds::number(-89.0, 89.0, "degrees off the column");
-const READOUT: Bounds = Bounds::above_zero(60.0, "seconds for the whole frame");
+/// What a setup takes without more ado: another one may be left out, since the scale alone is told without it.
+pub(crate) const READOUT: Bounds = Bounds::number(READOUT_S.0, READOUT_S.1, "seconds for the whole frame");
 const BEARING: Bounds = Bounds::number(-100.0, 100.0, "x/z of the edge");
 const HEADING: Bounds = Bounds::number(-360.0, 360.0, "degrees from the image plane");
 const LEAN: Bounds = Bounds::above_zero(45.0, "degrees, one standard deviation");

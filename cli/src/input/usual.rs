@@ -23,7 +23,8 @@ const KEYS: [&str; 10] = [
     "gravity",
 ];
 
-const READOUT_S: (f64, f64) = (0.001, 0.5);
+/// Of a whole frame.
+pub(crate) const READOUT_S: (f64, f64) = (0.001, 0.5);
 const MOST_EXPOSURE_S: f64 = 0.1;
 const MOST_VIEW_DEG: f64 = 170.0;
 const MOST_SPEED_M_S: f64 = 150.0;

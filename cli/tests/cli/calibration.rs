@@ -173,11 +173,53 @@ fn contradictory_and_wrong_passes() {
         ("distance_m,slope\n1,1\n", "column `speed_m_s` is missing"),
         ("speed_m_s,distance_m,slope\n0,1,0.1\n1,1,0.1\n1,1,0.1\n", "line 2: speed_m_s is 0"),
         ("speed_m_s,distance_m,slope\n1,-1,0.1\n", "line 2: `distance_m` is `-1`"),
-        ("speed_m_s,distance_m,frame\n1,1,nothing.png\n", "nothing.png"),
+        ("speed_m_s,distance_m,frame\n1,1,nothing.png\n", "error: passes.csv: line 2: reading nothing.png: "),
+        (
+            "speed_m_s,distance_m,slope,readout_s\n1,1,0.1,33\n",
+            "line 2: `readout_s` is `33`, but must be a number from ",
+        ),
         ("speed_m_s,distance_m,slope,readout_s\n1,1,0.1,0.02\n1,1,0.1,\n", "`readout_s` is empty on some lines"),
     ] {
         let outcome = scale(passes);
         assert_eq!(outcome.code, 1, "{passes}");
         assert!(outcome.stderr.contains(message), "{passes}: {}", outcome.stderr);
+    }
+}
+
+/// Without and with the readout of each pass.
+fn few_passes() -> Folder {
+    let passes = "speed_m_s,distance_m,slope\n1,2,0.02\n-1,2,-0.02\n2,2,0.04\n";
+    let stated = passes.replace("slope\n", "slope,readout_s\n").replace("02\n", "02,0.03\n").replace("4\n", "4,0.03\n");
+    Folder::new().with("passes.csv", passes).with("stated.csv", stated)
+}
+
+/// No option of a run that succeeds was without effect.
+#[test]
+fn options_that_would_say_nothing_are_refused() {
+    let folder = few_passes();
+    let scale = |arguments: &[&str]| folder.run(&[&["calibrate", "scale"], arguments].concat());
+    for (arguments, code, message) in [
+        (&["stated.csv", "--focal-px", "600"][..], 1, "error: stated.csv: the column `readout_s` states the readout"),
+        (
+            &["stated.csv", "--readout-s", "0.05", "--rows", "480"],
+            1,
+            "error: stated.csv: the column `readout_s` states",
+        ),
+        (&["passes.csv", "--rows", "480"], 1, "give --readout-s, or a column `readout_s`"),
+        (&["passes.csv", "--rows", "480", "--focal-px", "600"], 2, "'--rows <N>'"),
+        (&["passes.csv", "--readout-s", "33", "--rows", "480"], 2, "it must be a number from 0.001 to 0.5 (seconds"),
+        (&["passes.csv", "--focal-px", "1e9"], 2, "it must be a number from 1 to 1000000 (focal length in pixels)"),
+    ] {
+        let outcome = scale(arguments);
+        assert_eq!((outcome.code, outcome.stdout.as_str()), (code, ""), "{arguments:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{arguments:?}: {}", outcome.stderr);
+    }
+    let hints = |arguments: &[&str]| scale(&[arguments, &["--json"]].concat()).json()["hints"].to_string();
+    for with_kappa in [&["passes.csv", "--readout-s", "0.03"][..], &["stated.csv"]] {
+        assert!(hints(with_kappa).contains("--rows"), "{with_kappa:?}");
+        assert!(scale(with_kappa).stdout.contains("hint: with --rows"), "{with_kappa:?}");
+        let complete = [with_kappa, &["--rows", "480"]].concat();
+        assert_eq!(hints(&complete), "[]");
+        assert_near(number(&scale(&[&complete[..], &["--json"]].concat()).json(), "fx"), 0.04 / 0.03 * 480.0, 1e-6);
     }
 }
