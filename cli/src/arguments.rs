@@ -54,7 +54,7 @@ pub(crate) enum Command {
     #[command(after_help = help::INSPECT)]
     Inspect(InspectArgs),
     /// Frames of a simulated scene, with the truth about their edges
-    #[command(after_help = help::SIMULATE)]
+    #[command(after_help = help::SIMULATE, allow_negative_numbers = true)]
     Simulate(SimulateArgs),
     /// What a data sheet does not say of a camera, measured
     #[command(subcommand)]
@@ -161,6 +161,7 @@ pub(crate) struct FrameArgs {
     pub(crate) raw: Option<RawFrame>,
     /// Search so many frames at a time for edges; default: one for each core
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(allow_negative_numbers = true)]
     pub(crate) jobs: Option<u16>,
     /// Print a JSON document for each frame, on a line of its own
     #[arg(long)]
@@ -211,7 +212,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "HZ", default_value_t = 1.0, requires = "swing_deg", value_parser = swing_frequency)]
     pub(crate) swing_hz: f64,
     /// The clock of trajectory.csv is behind that of the frames by so much
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = clock_offset, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, value_parser = clock_offset)]
     pub(crate) clock_offset_s: f64,
 }
 

@@ -12,10 +12,10 @@ use crate::setup_arguments::{MotionArgs, SetupArgs};
 #[derive(Subcommand)]
 pub(crate) enum CalibrateCommand {
     /// Line time and readout from frames of something that a flickering lamp lights, with the camera at rest
-    #[command(after_help = help::FLICKER)]
+    #[command(after_help = help::FLICKER, allow_negative_numbers = true)]
     Flicker(FlickerArgs),
     /// Focal length times line time, and a constant tilt, from passes at known distance and speed
-    #[command(after_help = help::SCALE)]
+    #[command(after_help = help::SCALE, allow_negative_numbers = true)]
     Scale(ScaleArgs),
     /// Offset of the gyroscope's clock, and roll and pitch of the camera, from some seconds of turning before upright
     /// edges

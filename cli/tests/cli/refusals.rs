@@ -36,6 +36,33 @@ fn usage_is_exit_code_2() {
     assert!(folder.run(&["--help"]).stdout.contains("Examples:"));
 }
 
+/// Not taken for an option that does not exist.
+#[test]
+fn negative_values_are_refused_by_the_name_of_their_option() {
+    let folder = Folder::new();
+    let frame = ["frame", "a.png", "--setup", "setup.toml"];
+    let simulate = ["simulate", "--setup", "setup.toml", "--out", "out"];
+    let flicker = ["calibrate", "flicker", "a.png"];
+    let scale = ["calibrate", "scale", "passes.csv"];
+    let imu = ["calibrate", "imu", "a.png", "--setup", "setup.toml"];
+    for (command, options) in [
+        (&frame[..], &["--jobs", "--frame-interval-s"][..]),
+        (&["edges", "edges.csv", "--setup", "setup.toml"], &["--frame-interval-s"]),
+        (&simulate, &["--frames", "--seed", "--frame-interval-s", "--swing-deg", "--swing-hz", "--clock-offset-s"]),
+        (&["setup", "--sensor", "ov7725-qvga"], &["--clock-mhz"]),
+        (&flicker, &["--frequency-hz", "--sigma-hz", "--exposure-s", "--frame-rate-hz"]),
+        (&scale, &["--focal-px", "--readout-s", "--rows", "--sigma-roll-deg"]),
+        (&imu, &["--frame-interval-s"]),
+        (&["plan", "--setup", "setup.toml"], &["--from", "--to", "--steps", "--sigma", "--read-noise", "--height-m"]),
+    ] {
+        for option in options {
+            let outcome = folder.run(&[command, &[option, "-3"]].concat());
+            let told = outcome.stderr.contains(&format!("'-3' for '{option} <"));
+            assert!(outcome.code == 2 && told, "{command:?} {option}: {}", outcome.stderr);
+        }
+    }
+}
+
 #[test]
 fn missing_files() {
     let outcome = Folder::new().with("setup.toml", SETUP).edges();
