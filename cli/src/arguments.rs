@@ -186,7 +186,7 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "DIR")]
     pub(crate) out: PathBuf,
     /// Replace an earlier simulation in the folder: its frame-*.png, truth.json, trajectory.csv, setup.toml and
-    /// scene.toml are removed
+    /// scene.toml are removed. A folder without truth.json, scene.toml and setup.toml is none
     #[arg(long)]
     pub(crate) overwrite: bool,
     /// Write the frames as dumps without a header, frame-0000.raw and so on, in a format of `frame --raw`

@@ -149,9 +149,10 @@ setup.toml therefore holds for the first frame alone, or for all of them with --
 trajectory.csv has the motion as wheels and a gyroscope would tell it, 200 samples a second, for --trajectory
 and for calibrate imu: in the axes of the camera, or those of the robot where the setup has [mount].
 
-The folder must be new or empty. With --overwrite, an earlier simulation in it is replaced; files with
-other names stay. The files appear in the folder when all of them are written. Until then it is
-unchanged, and after an interruption the same command can simply be given again.
+The folder must be new or empty. With --overwrite, an earlier simulation in it is replaced: a folder that
+holds truth.json, scene.toml and setup.toml. Files with other names stay. The files appear in the folder when
+all of them are written. Until then it is unchanged, and after an interruption the same command can simply be
+given again.
 
 A scene:
   [background]

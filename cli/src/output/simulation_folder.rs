@@ -8,7 +8,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow};
 
 use super::safe_file;
 
@@ -21,6 +21,8 @@ pub(crate) const SETUP: &str = "setup.toml";
 pub(crate) const SCENE: &str = "scene.toml";
 pub(crate) const TRUTH: &str = "truth.json";
 pub(crate) const TRAJECTORY: &str = "trajectory.csv";
+/// Files of these names tell a simulation from what somebody else recorded.
+const OF_ALL: [&str; 3] = [TRUTH, SCENE, SETUP];
 const FRAME: &str = "frame-";
 pub(crate) const PNG: &str = ".png";
 pub(crate) const RAW: &str = ".raw";
@@ -40,14 +42,14 @@ pub(crate) struct SimulationFolder {
 
 impl SimulationFolder {
     /// Makes the folder if there is none. It must be empty, unless `overwrite` permits to replace an earlier
-    /// simulation.
+    /// simulation; what somebody else put there is never replaced.
     pub(crate) fn open(path: &Path, overwrite: bool) -> Result<Self> {
         let is_new = !path.exists();
         fs::create_dir_all(path).with_context(|| format!("making {}", path.display()))?;
         if is_incomplete(path) {
             remove_files(path)?;
-        } else if !overwrite {
-            refuse_files(path)?;
+        } else {
+            refuse_files(path, overwrite)?;
         }
         for name in [WRITING, COMPLETE] {
             remove_folder(&path.join(name))?;
@@ -115,14 +117,25 @@ fn is_incomplete(folder: &Path) -> bool {
     fs::read_dir(folder.join(COMPLETE)).is_ok_and(|mut entries| entries.next().is_some())
 }
 
-fn refuse_files(folder: &Path) -> Result<()> {
+/// Refuses a folder whose files are not to be replaced.
+fn refuse_files(folder: &Path, overwrite: bool) -> Result<()> {
     let names = names(folder)?;
     let folder = folder.display();
     if let Some(name) = names.iter().find(|name| is_of_simulation(name)) {
-        bail!("{folder} holds {name}: --overwrite replaces an earlier simulation, or choose another folder for --out");
+        return match OF_ALL.into_iter().find(|of_all| !names.iter().any(|name| name == of_all)) {
+            Some(missing) => Err(anyhow!(
+                "{folder} holds {name}, but no {missing}: it is no earlier simulation, and --out must be a new or an \
+                 empty folder"
+            )),
+            None if overwrite => Ok(()),
+            None => Err(anyhow!(
+                "{folder} holds {name}: --overwrite replaces an earlier simulation, or choose another folder for --out"
+            )),
+        };
     }
-    match names.iter().find(|name| ![WRITING, COMPLETE].contains(&name.as_str())) {
-        Some(name) => bail!("{folder} holds {name}: --out must be a new or an empty folder"),
+    // Files of other names stay.
+    match names.iter().find(|name| !overwrite && ![WRITING, COMPLETE].contains(&name.as_str())) {
+        Some(name) => Err(anyhow!("{folder} holds {name}: --out must be a new or an empty folder")),
         None => Ok(()),
     }
 }

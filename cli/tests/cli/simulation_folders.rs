@@ -49,16 +49,21 @@ fn an_earlier_simulation_is_refused_without_overwrite() {
     assert_frames(&folder, 2);
 }
 
+/// A recording of a camera may have files of the same names.
 #[test]
-fn any_file_of_an_earlier_simulation_is_refused() {
+fn what_is_no_simulation_is_not_replaced() {
     for name in ["frame-0007.png", "frame-123456.png", "scene.toml", "setup.toml", "trajectory.csv", "truth.json"] {
         let folder = with_setup();
         folder.make("out");
         let folder = folder.with(&format!("out/{name}"), "content");
-        let outcome = run(&folder, &[]);
-        assert_eq!(outcome.code, 1);
-        assert!(outcome.stderr.starts_with(&format!("error: out holds {name}: --overwrite ")), "{}", outcome.stderr);
-        assert_eq!(folder.read(&format!("out/{name}")), b"content");
+        let missing = if name == "truth.json" { "scene.toml" } else { "truth.json" };
+        let reason = format!("out holds {name}, but no {missing}: it is no earlier simulation");
+        let message = format!("{reason}, and --out must be a new or an empty folder");
+        for options in [&[][..], &["--overwrite"]] {
+            assert_refused(&run(&folder, options), &message);
+            assert_eq!(folder.files_of("out"), [name]);
+            assert_eq!(folder.read(&format!("out/{name}")), b"content");
+        }
     }
 }
 
