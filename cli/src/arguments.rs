@@ -201,9 +201,9 @@ pub(crate) struct SimulateArgs {
     /// Seed of the noise: the same one gives the same frames
     #[arg(long, value_name = "K", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Seconds from the start of one frame to the start of the next; 0: the same instant with other noise; default:
-    /// 1/30 s, or the readout time of the frame if that is longer
-    #[arg(long, value_name = "SECONDS", value_parser = interval, allow_negative_numbers = true)]
+    /// Seconds from the start of one frame to the start of the next, at least the readout time of the frame; 0: the
+    /// same instant with other noise; default: 1/30 s, or the readout time if that is longer
+    #[arg(long, value_name = "SECONDS", value_parser = interval)]
     pub(crate) frame_interval_s: Option<f64>,
     /// The camera also turns back and forth about the vertical, by this angle to either side
     #[arg(long, value_name = "DEGREES", value_parser = swing_angle)]

@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use anyhow::{Context, Error, Result, anyhow, ensure};
+use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use image::{GrayImage, ImageFormat};
 use shutter_range::format::PixelFormat;
 use shutter_range::sim::{Exposure, Simulator};
@@ -43,6 +43,12 @@ pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
     let setup_path = &arguments.setup.path;
     let file = setup::load(arguments.setup.source())?;
     let several = arguments.frame_interval_s.filter(|interval_s| *interval_s > 0.0 && arguments.frames > 1);
+    if let Some(interval_s) = several.filter(|interval_s| *interval_s < file.least_interval_s()) {
+        bail!(
+            "--frame-interval-s is {interval_s}, but must be at least {} s, the readout of a frame in the setup, or 0",
+            file.readout_s()
+        );
+    }
     file.check_exposure(several)?;
     let (scene_text, scene_name) = match &arguments.scene {
         Some(path) => (bounded_read::read_text(path, &scene_file::LIMIT)?, path.display().to_string()),

@@ -62,6 +62,11 @@ impl SetupFile {
         (readout.line_time_ps() * u64::from(readout.rows())) as f64 / 1e12
     }
 
+    /// The shortest time from one frame to the next: the readout, of which rounding may take a line time.
+    pub(crate) fn least_interval_s(&self) -> f64 {
+        self.readout_s() * (1.0 - 1.0 / f64::from(self.setup.readout().rows()))
+    }
+
     /// Refuses an exposure that is hardly ever meant, for frames that come at this interval, if any is known.
     pub(crate) fn check_exposure(&self, interval_s: Option<f64>) -> Result<()> {
         let Some(exposure_s) = self.optics.exposure_s else { return Ok(()) };

@@ -121,6 +121,20 @@ fn an_interval_of_zero_is_the_same_instant() {
     assert_ne!(folder.read("out/frame-0000.png"), folder.read("out/frame-0001.png"), "noise is another");
 }
 
+/// What `frame` refuses of a sequence is not simulated.
+#[test]
+fn an_interval_shorter_than_the_readout_is_refused() {
+    let folder = with_setup();
+    let arguments = |interval| ["--frames", "2", "--frame-interval-s", interval];
+    let message =
+        "--frame-interval-s is 0.01, but must be at least 0.0333 s, the readout of a frame in the setup, or 0";
+    refuse(&folder, &arguments("0.01"), message);
+    assert_eq!(folder.files(), ["setup.toml"], "nothing is left behind");
+    // Less than a line time is rounding.
+    let outcome = simulate(&folder, &[&["--out", "out"], &arguments("0.03325")[..]].concat());
+    assert_eq!(outcome.code, 0, "{}", outcome.stderr);
+}
+
 #[test]
 fn motion_is_in_the_axes_of_each_frame() {
     let turning = SETUP.replace("[motion]", "[motion]\nrate_rad_s = [0, 0, 1.0]");
