@@ -158,6 +158,8 @@ A scene:
   [background]
   level = 190         # grey level, 0 to 255
   contrast = 10       # of a smooth random texture; default 0
+  cell = 0.1          # size of the texture's spots as x/z; default
+  seed = 0            # of the texture: another one gives another texture; default
   [[bar]]             # up to 64 bars and rails
   bearing = -0.2      # x/z of its middle
   depth_m = 3.0

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Error, Result, anyhow, bail, ensure};
 use image::{GrayImage, ImageFormat};
 use shutter_range::format::PixelFormat;
-use shutter_range::sim::{Exposure, Simulator};
+use shutter_range::sim::{Exposure, Flicker, Simulator};
 use shutter_range::{Camera, Distortion, Intrinsics, Motion, ParameterError, Response, Twist};
 
 use crate::arguments::SimulateArgs;
@@ -54,8 +54,9 @@ pub(crate) fn frames(arguments: &SimulateArgs) -> Result<TruthDocument> {
         Some(path) => (bounded_read::read_text(path, &scene_file::LIMIT)?, path.display().to_string()),
         None => (scene_file::STREET.to_string(), "the built-in street".to_string()),
     };
-    let scene = scene_file::parse(&scene_text).context(scene_name)?;
+    let scene = scene_file::parse(&scene_text).with_context(|| scene_name.clone())?;
     let simulator = simulator(&file, &scene, arguments.seed).with_context(|| setup_path.display().to_string())?;
+    let simulator = lit(simulator, scene.lamp).context(scene_name)?;
     let simulator = match arguments.swing() {
         Some(swing) => simulator.with_swing(swing)?,
         None => simulator,
@@ -100,12 +101,15 @@ fn simulator<'a>(file: &SetupFile, scene: &'a SceneFile, seed: u64) -> Result<Si
     };
     let readout = file.setup.readout();
     let simulator = Simulator::new(&scene.scene, &camera, readout, &motion, exposure, seed);
-    let simulator = simulator.map_err(|error| by_its_key(&error))?;
-    scene.lamp.map_or(Ok(simulator.clone()), |lamp| {
-        simulator.with_flicker(lamp).map_err(|error| {
-            anyhow!("`lamp.{}` of the scene is {}, but must be {}", error.parameter, error.value, error.expected)
-        })
-    })
+    simulator.map_err(|error| by_its_key(&error))
+}
+
+/// By the scene's lamp, if it has one.
+fn lit<'a>(simulator: Simulator<'a, OBJECTS>, lamp: Option<Flicker>) -> Result<Simulator<'a, OBJECTS>> {
+    let Some(lamp) = lamp else { return Ok(simulator) };
+    simulator
+        .with_flicker(lamp)
+        .map_err(|error| anyhow!("`lamp.{}` is {}, but must be {}", error.parameter, error.value, error.expected))
 }
 
 /// A parameter that the simulator refuses, under its key in the setup file.

@@ -4,6 +4,7 @@ use anyhow::{Result, anyhow};
 use serde::Deserialize;
 use shutter_range::ParameterError;
 use shutter_range::sim::{Background, Bar, Exposure, Flicker, Rail, Scene, Texture};
+use toml::Table;
 
 use super::bounded_read::{Limit, MEBIBYTE};
 use super::bounds::Bounds;
@@ -102,6 +103,7 @@ fn all_of_it() -> f32 {
 }
 
 pub(crate) fn parse(text: &str) -> Result<SceneFile> {
+    check_brackets(&toml_file::parse(text)?)?;
     let file: SceneToml = toml_file::parse(text)?;
     let count = file.bar.len() + file.rail.len();
     if count > OBJECTS {
@@ -124,6 +126,21 @@ pub(crate) fn parse(text: &str) -> Result<SceneFile> {
     let shot_gain = noise("shot_gain", sensor.shot_gain.unwrap_or(usual.shot_gain), "variance per grey level")?;
     let lamp = file.lamp.map(|LampToml { frequency_hz, depth, duty }| Flicker { frequency_hz, depth, duty });
     Ok(SceneFile { scene, read_noise, shot_gain, lamp })
+}
+
+/// Single and double brackets are easily mistaken for each other.
+fn check_brackets(file: &Table) -> Result<()> {
+    for name in ["bar", "rail"] {
+        if file.get(name).is_some_and(|value| !value.is_array()) {
+            return Err(anyhow!("`{name}` must be written [[{name}]], in double brackets, before each {name}"));
+        }
+    }
+    for name in ["background", "sensor", "lamp"] {
+        if file.get(name).is_some_and(|value| !value.is_table()) {
+            return Err(anyhow!("`{name}` must be written [{name}], in single brackets, and once"));
+        }
+    }
+    Ok(())
 }
 
 /// Checks the simulator's limits here, where the key and the file are known.

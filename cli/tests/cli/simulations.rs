@@ -170,12 +170,49 @@ fn scenes_that_are_refused() {
     refuse_scene("level = 60", "level = 60\nlean_deg = 89", "[[bar]] number 2: lean_deg is 89, but must be -84 to 84");
     refuse_scene("level = 200", "level = 300", "[background]: level is 300, but must be 0 to 255");
     refuse_scene("[background]", "[sensor]\nread_noise = -1\n[background]", "`sensor.read_noise` is -1, but must be ");
+    refuse_scene("[background]", "[lamp]\nfrequency_hz = 0\n[background]", "`lamp.frequency_hz` is 0, but must be ");
     let many = "[[rail]]\ndepth_m = 1\ntop_m = 1\nbottom_m = 2\nlevel = 0\n".repeat(63);
     refuse_scene(
         "[background]",
         &format!("{many}[background]"),
         "the scene has 65 bars and rails, but must have at most 64",
     );
+}
+
+#[test]
+fn brackets_of_scenes() {
+    let refuse = |scene: &str, message: &str| {
+        let folder = with_setup().with("scene.toml", scene);
+        let outcome = simulate(&folder, &["--out", "out", "--scene", "scene.toml"]);
+        assert_eq!((outcome.code, outcome.stderr), (1, format!("error: scene.toml: {message}\n")));
+    };
+    for name in ["bar", "rail"] {
+        let message = format!("`{name}` must be written [[{name}]], in double brackets, before each {name}");
+        refuse(&format!("[background]\nlevel = 190\n[{name}]\ndepth_m = 2\n"), &message);
+    }
+    for name in ["background", "sensor", "lamp"] {
+        let message = format!("`{name}` must be written [{name}], in single brackets, and once");
+        refuse(&format!("[[{name}]]\nlevel = 190\n"), &message);
+    }
+}
+
+/// The tool lists the keys of a section for one that it does not know.
+#[test]
+fn every_key_of_a_scene_is_in_the_help() {
+    let help = Folder::new().run(&["simulate", "--help"]).stdout;
+    let (_, example) = help.split_once("A scene:\n").expect("a scene");
+    for header in ["[background]", "[[bar]]", "[[rail]]", "[sensor]", "[lamp]"] {
+        let folder = with_setup().with("scene.toml", format!("{header}\nq = 1\n"));
+        let outcome = simulate(&folder, &["--out", "out", "--scene", "scene.toml"]);
+        let (_, list) = outcome.stderr.split_once("unknown field `q`, expected ").expect("a list of keys");
+        let (_, section) = example.split_once(&format!("  {header}")).expect("the section");
+        let section = section.split("\n  [").next().expect("its keys");
+        let keys: Vec<_> = list.split('`').skip(1).step_by(2).collect();
+        assert!(keys.len() >= 2, "{list}");
+        for key in keys {
+            assert!(section.contains(&format!("\n  {key} = ")), "{header} {key} is missing:\n{example}");
+        }
+    }
 }
 
 #[test]
