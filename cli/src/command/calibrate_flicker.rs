@@ -10,7 +10,7 @@ use shutter_range::calibrate::{FlickerMeter, Lamp, LineTime};
 
 use crate::calibrate_arguments::FlickerArgs;
 use crate::input::picture::{self, PictureFormat};
-use crate::input::size::Size;
+use crate::input::size::{self, Size};
 use crate::inspection::stillness::share_moved;
 use crate::output::chart::{Axis, Chart};
 use crate::output::rounding::with_sigma;
@@ -52,21 +52,19 @@ pub(crate) struct Outcome {
 
 pub(crate) fn measure(arguments: &FlickerArgs) -> Result<Outcome> {
     let Some(first) = arguments.files.first() else { bail!("there is no frame") };
+    let format = PictureFormat { size: arguments.raw.map(|raw| raw.size), raw: arguments.raw, bits: None };
     let size = match arguments.raw {
         Some(raw) => raw.size,
-        None => {
-            let (columns, rows) =
-                picture::load_grey(first, &PictureFormat { size: None, raw: None, bits: None })?.dimensions();
-            Size { columns, rows }
-        }
+        None => Size::of(&picture::load_grey(first, &format)?),
     };
     ensure!(size.rows as usize <= ROWS, "the frames have {} rows, but must have at most {ROWS}", size.rows);
-    let format = PictureFormat { size: Some(size), raw: arguments.raw, bits: None };
     let mut meter = Box::new(meter(arguments, size)?);
     let (mut means_q8, mut moved) = (Vec::new(), 0.0);
     let mut before: Option<GrayImage> = None;
     for file in &arguments.files {
         let picture = picture::load_grey(file, &format)?;
+        let [name, first_name] = [file, first].map(|path| path.display().to_string());
+        size::refuse_unlike((&name, Size::of(&picture)), (&first_name, size))?;
         let means = row_means_q8(&picture);
         means.iter().for_each(|mean_q8| meter.row(*mean_q8));
         meter.end_frame();

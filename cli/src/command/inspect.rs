@@ -10,6 +10,7 @@ use crate::arguments::InspectArgs;
 use crate::input::frame_source::{FoundFrame, FrameSource};
 use crate::input::grey_levels::UnusedBits;
 use crate::input::picture::PictureFormat;
+use crate::input::size::{self, Size};
 use crate::inspection::findings::{self, Finding, Further, Keys};
 use crate::inspection::grey::Grey;
 use crate::inspection::measurement::Measurement;
@@ -31,7 +32,7 @@ pub(crate) struct Inspection {
 /// What one frame tells.
 struct Seen {
     name: String,
-    size: (u32, u32),
+    size: Size,
     measured: Measurement,
     has_alternating_columns: bool,
     unused_bits: Option<UnusedBits>,
@@ -45,13 +46,7 @@ pub(crate) fn inspection(arguments: &InspectArgs) -> Result<Inspection> {
         workers::in_order(workers::cores(), source, |found| Seen::of(found, &format), |results| results.collect())?;
     let first = seen.first().context("the video has no frame")?;
     for other in &seen {
-        let ((columns, rows), (expected_columns, expected_rows)) = (other.size, first.size);
-        ensure!(
-            other.size == first.size,
-            "{}: the frame is {columns} × {rows} pixels, but must be {expected_columns} × {expected_rows}, as {} is",
-            other.name,
-            first.name
-        );
+        size::refuse_unlike((&other.name, other.size), (&first.name, first.size))?;
     }
     let frames: Vec<Measurement> = seen.iter().map(|seen| seen.measured.clone()).collect();
     let measured = Measurement::together(&frames).context("no frame")?;
@@ -66,7 +61,7 @@ pub(crate) fn inspection(arguments: &InspectArgs) -> Result<Inspection> {
     };
     let findings = findings::of(&measured, &further);
     let keys = findings::keys(&measured, &further, &findings);
-    let (columns, rows) = first.size;
+    let Size { columns, rows } = first.size;
     Ok(Inspection { files: arguments.files.clone(), columns, rows, frames: seen.len(), measured, findings, keys })
 }
 
@@ -78,10 +73,10 @@ impl Seen {
         let picture = found.load(format)?;
         let unused_bits = picture.unused_bits;
         let pixels = picture.into_grey().with_context(|| name.clone())?;
-        let size @ (columns, rows) = pixels.dimensions();
+        let size = Size::of(&pixels);
         ensure!(
-            columns.min(rows) >= LEAST_SIDE,
-            "{name}: {columns} × {rows} pixels, but must be at least {LEAST_SIDE} × {LEAST_SIDE}"
+            size.columns.min(size.rows) >= LEAST_SIDE,
+            "{name}: {size} pixels, but must be at least {LEAST_SIDE} × {LEAST_SIDE}"
         );
         Ok(Self {
             measured: Measurement::of(&Grey::of(&pixels)),

@@ -5,6 +5,7 @@ use shutter_range::{Camera, Distortion, Intrinsics, MotionBlur, Readout, Readout
 
 use super::bounds::Bounds;
 use super::keys::{Section, by_its_key};
+use super::usual;
 
 const SIZE: Bounds = Bounds::whole(1.0, 32_767.0, "pixels");
 pub(crate) const FOCAL_PX: Bounds = Bounds::number(1.0, 1e6, "focal length in pixels");
@@ -92,6 +93,13 @@ pub(crate) fn readout_key(camera: &Section<'_>) -> &'static str {
     READOUT_KEYS.into_iter().find(|key| camera.has(key)).unwrap_or(READOUT_KEYS[0])
 }
 
+/// All keys that the readout time comes from, with their values.
+pub(crate) fn described_readout(camera: &Section<'_>) -> String {
+    let keys = ["readout_s", "line_time_us", "line_length_clocks", "pixel_clock_hz", "sensor_rows_per_row"];
+    let described: Vec<_> = keys.iter().filter(|key| camera.has(key)).map(|key| camera.described(key)).collect();
+    described.join(" and ")
+}
+
 pub(crate) fn readout(camera: &Section<'_>) -> Result<Readout> {
     let rows = camera.required("rows", SIZE)? as u16;
     let direction = match camera.choice("direction", ["top-to-bottom", "bottom-to-top"])? {
@@ -100,7 +108,10 @@ pub(crate) fn readout(camera: &Section<'_>) -> Result<Readout> {
     };
     let line_time_s = line_time_s(camera, rows)?;
     let readout = Readout::from_line_time_ps(rows, (line_time_s * 1e12).round() as u64, direction);
-    readout.map_err(|error| camera.refuse(readout_key(camera), error.expected))
+    readout.map_err(|error| {
+        let readout_s = line_time_s * f64::from(rows);
+        anyhow!("{}, {}, but must be {}", described_readout(camera), usual::in_words(readout_s), error.expected)
+    })
 }
 
 /// For a row of the image, however many rows of the sensor it is made of.

@@ -151,8 +151,10 @@ fn refuse_unusual(file: &SetupFile, camera: &Section<'_>, motion: &Section<'_>, 
     let image = file.setup.camera().intrinsics();
     let focal_key = camera_keys::focal_length_key(camera);
     let fy_key = if camera.has("fy") { "fy" } else { focal_key };
+    let readout_key = camera_keys::readout_key(camera);
+    let readout = || camera_keys::described_readout(camera);
+    file.usual.check(readout_key, usual::readout(file.readout_s()), readout)?;
     let checks = [
-        (camera, camera_keys::readout_key(camera), usual::readout(file.readout_s())),
         (camera, focal_key, usual::view(image.columns, image.fx, image.cx)),
         (camera, fy_key, usual::view(image.rows, image.fy, image.cy)),
         (motion, "velocity_m_s", usual::speed(file.motion.velocity_m_s())),

@@ -3,6 +3,9 @@
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
+use anyhow::{Result, ensure};
+use image::GrayImage;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size {
     pub(crate) columns: u32,
@@ -10,6 +13,11 @@ pub(crate) struct Size {
 }
 
 impl Size {
+    pub(crate) fn of(pixels: &GrayImage) -> Self {
+        let (columns, rows) = pixels.dimensions();
+        Self { columns, rows }
+    }
+
     pub(crate) fn pixels(self) -> u64 {
         u64::from(self.columns) * u64::from(self.rows)
     }
@@ -36,4 +44,10 @@ impl Display for Size {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "{} × {}", self.columns, self.rows)
     }
+}
+
+/// Refuses a frame of another size than the first of those that are given together.
+pub(crate) fn refuse_unlike((name, size): (&str, Size), (first_name, first): (&str, Size)) -> Result<()> {
+    ensure!(size == first, "{name}: the frame is {size} pixels, but must be {first}, as {first_name} is");
+    Ok(())
 }

@@ -17,6 +17,11 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T> {
         }
         let before = error.span().and_then(|span| text.get(..span.start));
         let line = before.map_or(1, |before| before.matches('\n').count() + 1);
-        anyhow!("line {line}: {}", error.message())
+        // The only message that is about a name and leaves it out.
+        let twice = error.span().filter(|_| error.message() == "duplicate key").and_then(|span| text.get(span));
+        match twice {
+            Some(name) => anyhow!("line {line}: `{name}` is there a second time, but must be there once"),
+            None => anyhow!("line {line}: {}", error.message()),
+        }
     })
 }

@@ -93,9 +93,12 @@ fn known(value: &Value) -> Result<&'static str> {
 pub(crate) fn readout(readout_s: f64) -> Option<Objection> {
     let (least, most) = READOUT_S;
     let is_usual = (least..=most).contains(&readout_s);
+    Objection::unless(is_usual, in_words(readout_s), format!("{least} to {most} s for a frame"))
+}
+
+pub(crate) fn in_words(readout_s: f64) -> String {
     let to_a_microsecond = (readout_s * 1e6).round() / 1e6;
-    let meaning = format!("a readout of {to_a_microsecond} s");
-    Objection::unless(is_usual, meaning, format!("{least} to {most} s for a frame"))
+    format!("a readout of {to_a_microsecond} s")
 }
 
 /// The time from frame to frame bounds it, where that is known.

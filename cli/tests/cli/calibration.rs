@@ -1,5 +1,6 @@
 //! `calibrate flicker` and `calibrate scale`, on what `simulate` writes and on the paper's table.
 
+use crate::painting::{painted, png};
 use crate::tool::{Folder, Outcome, assert_near, number};
 
 const CAMERA: &str = "\
@@ -85,7 +86,8 @@ fn a_camera_that_moves_tells_no_line_time() {
 #[test]
 fn flicker_refuses_what_is_wrong() {
     let folder = lit("frequency_hz = 1000").with("text.png", "no picture");
-    let wrong = |arguments: &[&str]| folder.run(&[&["calibrate", "flicker"], arguments].concat());
+    let wrong_in = |folder: &Folder, arguments: &[&str]| folder.run(&[&["calibrate", "flicker"], arguments].concat());
+    let wrong = |arguments: &[&str]| wrong_in(&folder, arguments);
     assert_eq!(wrong(&["lamp/frame-0000.png"]).code, 2, "the frequency is missing");
     for frequency in ["0", "-5", "nan", "1e9", "x"] {
         let outcome = wrong(&["lamp/frame-0000.png", "--frequency-hz", frequency]);
@@ -99,7 +101,10 @@ fn flicker_refuses_what_is_wrong() {
         assert!(outcome.stderr.contains(file), "{}", outcome.stderr);
     }
     let scene = format!("{WALL}[lamp]\nfrequency_hz = -3\n");
-    let folder = folder.with("bad.toml", scene);
+    let folder = folder.with("bad.toml", scene).with("large.png", png(painted()));
+    let unlike = wrong_in(&folder, &["lamp/frame-0000.png", "large.png", "--frequency-hz", "1000"]);
+    let message = "large.png: the frame is 640 × 480 pixels, but must be 160 × 240, as lamp/frame-0000.png is";
+    assert_eq!((unlike.code, unlike.stderr), (1, format!("error: {message}\n")));
     let outcome = folder.run(&["simulate", "--setup", "camera.toml", "--scene", "bad.toml", "--out", "bad"]);
     assert!(outcome.stderr.starts_with("error: bad.toml: `lamp.frequency_hz` is -3, but"), "{}", outcome.stderr);
 }

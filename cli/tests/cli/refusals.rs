@@ -242,11 +242,18 @@ fn readout_once() {
         "`camera.readout_s` is 0, but must be a number above 0, at most 60 (seconds for the whole frame; a global shutter \
          has no effect to measure)",
     );
+    let expected = "but must be above zero (a global shutter has no effect to measure), and a frame below one minute";
     refuse_setup(
         "readout_s = 0.0333",
         "line_time_us = 1e6",
-        "`camera.line_time_us` is 1000000.0, but must be above zero (a global shutter has no effect to measure), and a frame \
-         below one minute",
+        &format!("`camera.line_time_us` is 1000000.0, a readout of 480 s, {expected}"),
+    );
+    refuse_setup(
+        "readout_s = 0.0333",
+        "line_length_clocks = 1665\npixel_clock_hz = 24",
+        &format!(
+            "`camera.line_length_clocks` is 1665 and `camera.pixel_clock_hz` is 24, a readout of 33300 s, {expected}"
+        ),
     );
 }
 
@@ -297,6 +304,7 @@ fn files_that_are_not_toml() {
     assert_eq!(outcome.code, 1);
     assert!(outcome.stderr.starts_with("error: setup.toml: line 3: "), "{}", outcome.stderr);
     assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+    refuse_setup("fx = 600", "fx = 600\nfx = 6", "line 5: `fx` is there a second time, but must be there once");
     assert_fails(&Folder::of("camera = 3\n", POINTS), "setup.toml: `camera` is 3, but must be a section: [camera]");
 }
 

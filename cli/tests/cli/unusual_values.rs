@@ -32,7 +32,8 @@ fn a_readout_in_milliseconds_is_refused() {
     readout("readout_s", "0.0009", "0.0009");
     readout("line_time_us", "69375.0", "33.3");
     let by_clock = "line_length_clocks = 1665\npixel_clock_hz = 24000";
-    let message = "`camera.line_length_clocks` is 1665, a readout of 33.3 s, but must be 0.001 to 0.5 s for a frame";
+    let message = "`camera.line_length_clocks` is 1665 and `camera.pixel_clock_hz` is 24000, a readout of 33.3 s, but \
+                   must be 0.001 to 0.5 s for a frame";
     refuse("readout_s = 0.0333", by_clock, "line_length_clocks", message);
 }
 
