@@ -99,11 +99,10 @@ impl FrameStarts {
 
 fn check_interval(file: &SetupFile, interval_s: f64, [from, to]: [&str; 2]) -> Result<()> {
     let readout_s = file.readout_s();
-    let line_time_s = readout_s / f64::from(file.setup.readout().rows());
     // A difference of two times has more digits than the times.
     let told_s = (interval_s * 1e9).round() / 1e9;
     ensure!(
-        interval_s >= readout_s - line_time_s,
+        interval_s >= file.least_interval_s(),
         "from {from} to {to} it is {told_s} s, but must be at least {readout_s} s, the readout of a frame in the setup"
     );
     ensure!(interval_s <= MOST_S, "from {from} to {to} it is {told_s} s, but must be at most {MOST_S} s");
