@@ -1,11 +1,13 @@
 //! Motion blur as a measurement: in a single frame it tells lean from depth, and several frames tell the lens's own.
 
+use rand::Rng;
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
     EdgePoint, ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Response,
     Sequence, Setup, Twist,
 };
 
+use crate::journey::seed;
 use crate::projection;
 use crate::scenes::{TENTH_DEGREE, line_of, tilt_of};
 
@@ -199,5 +201,68 @@ fn a_sequence_learns_the_lens() {
             (lens_blur_px - psf_sigma_px).abs() < 2.5 * sigma_lens_blur_px,
             "2.5 sigma, {psf_sigma_px}: {lens_blur_px}"
         );
+    }
+}
+
+/// The points of an edge with the widths that the projection's own path during the exposure gives them.
+fn blurred(scene: &projection::Scene, exposure_s: f64, lens_px: f64) -> Vec<EdgePoint> {
+    let blurred = |point: EdgePoint| {
+        let (row, time_s) = (f64::from(point.row), scene.time_s(point.row));
+        let end = |later_s: f64| scene.column_at(row, time_s + later_s);
+        let path_px = end(exposure_s / 2.0) - end(-exposure_s / 2.0);
+        let width_px = (lens_px * lens_px + (1.0 + path_px * path_px) / 12.0).sqrt();
+        // 0.01 px of noise.
+        EdgePoint { width_q8: (width_px * 256.0).round() as u16, sigma_q16: 655, ..point }
+    };
+    scene.points().into_iter().map(blurred).collect()
+}
+
+/// A path is as long as speed, rotation and focal length make it: what is wrong with these draws a depth aside that
+/// rests on its blur, as much as one that rests on its slope.
+#[test]
+fn sigma_explains_errors_that_the_blur_shares() {
+    // Relative, or in rad/s, and what its second order and widths in steps of 1/256 px add.
+    const STEP: f64 = 1e-3;
+    const SECOND_ORDER: f64 = 0.05;
+    let (exposure_s, random) = (f64::from(EXPOSURE_S), &mut seed(81));
+    let blur = MotionBlur::from_calibrated_lens(exposure_s, 0.7);
+    for case in 0..40 {
+        let mut about = |middle: f64, off: f64| middle + random.random_range(-off..off);
+        let scene = projection::Scene {
+            velocity_m_s: [about(-1.5, 0.3), about(0.0, 0.2), about(0.0, 0.4)],
+            rate_rad_s: [about(0.0, 0.2), about(0.0, 0.2), about(0.0, 0.2)],
+            bearing: about(0.0, 0.2),
+            depth_m: about(1.5, 0.7),
+            ..projection::Scene::vga()
+        };
+        let line = line_of::<16>(&blurred(&scene, exposure_s, 0.7));
+        let range = |told: &projection::Scene, uncertainty| {
+            let setup = told.setup_with::<f64>(uncertainty).with_response(Response::Linear);
+            Range::from_line(&setup.with_motion_blur(blur).expect("sound blur"), &told.motion(), &line)
+        };
+        let change = |disturb: &dyn Fn(&mut projection::Scene, f64)| {
+            let [more, less] = [STEP, -STEP].map(|step| {
+                let mut told = scene.clone();
+                disturb(&mut told, step);
+                range(&told, tilt_of(10.0 * TENTH_DEGREE)).estimate.inverse_depth_per_m
+            });
+            (more - less) / 2.0
+        };
+        let speed = change(&|told, step| told.velocity_m_s = told.velocity_m_s.map(|v| v * (1.0 + step)));
+        let focal = change(&|told, step| told.focal_px *= 1.0 + step);
+        let rates = [0, 1, 2].map(|axis| change(&|told, step| told.rate_rad_s[axis] += step));
+        let uncertainty = tilt_of(10.0 * TENTH_DEGREE).with_sigma_speed(STEP).with_sigma_focal(STEP);
+        let Range { status, estimate, .. } = range(&scene, uncertainty.with_sigma_rate_rad_s(STEP));
+        assert_eq!(status, RangeStatus::Ok, "{case}: {estimate:?}");
+        // The slope alone leaves this depth to 20 % or more: it rests on the blur.
+        assert!(estimate.budget.noise_per_m < 0.05 * estimate.inverse_depth_per_m, "{case}: {estimate:?}");
+        let rate = rates.iter().fold(0.0, |sum: f64, rate| sum.hypot(*rate));
+        let budget = &estimate.budget;
+        let parts = [(speed, budget.speed_per_m), (focal, budget.focal_per_m), (rate, budget.rate_per_m)];
+        for (name, (change, part)) in ["speed", "focal", "rate"].into_iter().zip(parts) {
+            // What cancels counts as half of what an error of the speed does.
+            let most = SECOND_ORDER * change.abs().max(0.5 * speed.abs());
+            assert!((part - change.abs()).abs() < most, "{case}, {name}: {part} for a change of {change}");
+        }
     }
 }

@@ -198,11 +198,10 @@ fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
-/// Within 15 % of what is measured; of some 160 edges, whose root mean square is known to 6 %, and to 8 % where both
-/// edges of a post share errors.
-fn check(case: &Case, uncertainty: Uncertainty<f64>) {
-    const FRAMES: u64 = 80;
-    let outcome = case.measure(uncertainty, FRAMES);
+/// Within 15 % of what is measured; of two edges in each of so many frames, whose root mean square 80 frames tell to 6 %,
+/// and 240 to 5 % where both edges of a post share errors.
+fn check(case: &Case, uncertainty: Uncertainty<f64>, frames: u64) {
+    let outcome = case.measure(uncertainty, frames);
     let (count, ratio) = (outcome.errors.len(), rms(&outcome.errors));
     println!("{}: {count} edges, {} missed, measured/predicted {ratio:.3}", case.name, outcome.missed);
     assert!(outcome.missed * 20 < count, "{}: {} missed", case.name, outcome.missed);
@@ -211,12 +210,12 @@ fn check(case: &Case, uncertainty: Uncertainty<f64>) {
 
 #[test]
 fn predictions_hold_without_uncertainties() {
-    CLEAN.iter().for_each(|case| check(case, Uncertainty::NONE));
+    CLEAN.iter().for_each(|case| check(case, Uncertainty::NONE, 80));
 }
 
 #[test]
 fn predictions_hold_with_the_default_uncertainties() {
-    CLEAN.iter().for_each(|case| check(case, Uncertainty::default()));
+    CLEAN.iter().for_each(|case| check(case, Uncertainty::default(), 240));
 }
 
 /// To the right at 1.5 m/s.

@@ -1,9 +1,11 @@
 //! [`Settled`]: what shared errors do to a fit that has settled. docs/model.md, section 6.
 
-use super::equation::Equations;
+use super::blur::Blur;
+use super::equation::{Equation, Equations};
 use super::least_squares::Solution;
-use super::observation::Observation;
+use super::observation::{Observation, Observer};
 use super::prior::Knowledge;
+use super::sample::Sample;
 use super::sensitivity::Sensitivity;
 use super::shared_error::{SHARED_ERRORS, SharedError};
 use super::unknowns::Unknowns;
@@ -39,10 +41,8 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
 
     #[inline(never)]
     fn respond_of_observations(&self, [_, _, speed, of_each @ ..]: &mut [[S; 3]; SHARED_ERRORS]) {
-        let Self { setup, observations, equations, at, solution, .. } = self;
-        // What is in the prior moves no observation.
-        let counts = |error: SharedError| !error.is_in_prior() && error.sigma(setup, at.bearing) > S::ZERO;
-        let [_, _, speed_counts, counts @ ..] = SharedError::ALL.map(counts);
+        let Self { observations, equations, at, solution, .. } = self;
+        let [_, _, speed_counts, counts @ ..] = self.counts();
         if speed_counts {
             // q is the change of y with the inverse depth, which a relative error of the speed does not differ from.
             *speed = solution.response_of_q(-at.inverse_depth);
@@ -61,16 +61,14 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
     #[inline(never)]
     fn respond_of_priors(&self, effects: &mut [[S; 3]; SHARED_ERRORS]) {
         let Self { setup, prior, equations, at, solution, .. } = self;
-        let [_, _, speed, ..] = effects;
-        if *speed != [S::ZERO; 3] {
-            // The priors do not know of it.
-            for equation in &equations.prior {
-                solution.respond(speed, equation, at.inverse_depth * solution.unsolved_q(equation));
-            }
-        }
+        let speed_counts = SharedError::Speed.sigma(setup, at.bearing) > S::ZERO;
         let mut equations_of_prior = equations.prior.iter();
         prior.errors(setup, at, |prior_error| {
             let Some(equation) = equations_of_prior.next() else { return };
+            if let ([_, _, speed, ..], true) = (&mut *effects, speed_counts) {
+                // What was known before the line was seen does not know of it.
+                solution.respond(speed, equation, at.inverse_depth * solution.unsolved_q(equation));
+            }
             for (index, (response, error)) in effects.iter_mut().zip(SharedError::ALL).enumerate() {
                 let error = prior_error.of(index, error);
                 if error != S::ZERO {
@@ -78,10 +76,45 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
                 }
             }
         });
-        if let ([_, of_lens, ..], Some(blur)) = (effects, equations_of_prior.next())
-            && prior.blur().is_some()
-        {
-            solution.respond(of_lens, blur, -equations.per_lens_px);
+        if let (Some(equation), Some(blur)) = (equations_of_prior.next(), prior.blur()) {
+            let [_, of_lens, _, of_each @ ..] = effects;
+            solution.respond(of_lens, equation, -equations.per_lens_px);
+            let [_, _, _, counts @ ..] = self.counts();
+            if counts != [false; OF_EACH] {
+                self.respond_of_blur(of_each, blur, equation);
+            }
+        }
+    }
+
+    /// Whether each error has a sigma and moves observations: what is in the prior moves none.
+    fn counts(&self) -> [bool; SHARED_ERRORS] {
+        let counts = |error: SharedError| !error.is_in_prior() && error.sigma(self.setup, self.at.bearing) > S::ZERO;
+        SharedError::ALL.map(counts)
+    }
+
+    /// An error adds to a path what it does at the end of the exposure less what it does at its start; and a relative
+    /// one of the focal length, besides, that part of it, since so many pixels are another angle. That of the speed is
+    /// in q, and the readout has no part in it.
+    #[inline(never)]
+    fn respond_of_blur(&self, of_each: &mut [[S; 3]; OF_EACH], blur: &dyn Blur<S>, equation: &Equation<S>) {
+        let axes = self.prior.axes(self.motion);
+        let mut observer = Observer::new(self.setup.camera(), self.motion, [axes.gravity, axes.lean]);
+        let mut errors = |end: &Sample<S>| {
+            let observation = observer.observe(end)?;
+            Some(self.errors(&observation, &self.motion.pose(end.time_s)))
+        };
+        let [of_x, of_y, of_z, _, of_focal] = of_each;
+        for path in blur.paths(self.at).iter().flatten() {
+            let [start, end] = &path.ends;
+            let (Some([x, y, z, _, focal]), Some(at_end)) = (errors(start), errors(end)) else { continue };
+            let [end_x, end_y, end_z, _, end_focal] = at_end;
+            let respond = |response: &mut [S; 3], off_px: S| {
+                self.solution.respond(response, equation, off_px * path.y_per_px);
+            };
+            respond(of_x, end_x - x);
+            respond(of_y, end_y - y);
+            respond(of_z, end_z - z);
+            respond(of_focal, end_focal - focal - path.px);
         }
     }
 
