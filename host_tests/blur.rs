@@ -4,7 +4,7 @@ use rand::Rng;
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
     EdgePoint, ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Response,
-    Sequence, Setup, Twist,
+    Sequence, Setup, Sigmas, Twist,
 };
 
 use crate::journey::seed;
@@ -263,6 +263,42 @@ fn sigma_explains_errors_that_the_blur_shares() {
             // What cancels counts as half of what an error of the speed does.
             let most = SECOND_ORDER * change.abs().max(0.5 * speed.abs());
             assert!((part - change.abs()).abs() < most, "{case}, {name}: {part} for a change of {change}");
+        }
+    }
+}
+
+/// A post that leans exactly against its skew stands still in the image: its blur alone tells that it is near.
+#[test]
+fn a_lean_that_hides_the_motion_is_no_lower_bound() {
+    let scene = |depth_m: f64, speed_m_s: f64, tilt: f64| projection::Scene {
+        velocity_m_s: [-speed_m_s, 0.0, 0.0],
+        bearing: 0.0,
+        depth_m,
+        tilt,
+        ..projection::Scene::vga()
+    };
+    let range = |scene: &projection::Scene, points: &[EdgePoint], exposure_s, response: Response| {
+        let setup = scene.setup_with::<f64>(tilt_of(TENTH_DEGREE)).with_response(response);
+        let setup = setup.with_motion_blur(MotionBlur::from_calibrated_lens(exposure_s, 0.7)).expect("sound blur");
+        Range::from_line(&setup, &scene.motion(), &line_of::<16>(points))
+    };
+    for response in [Response::Unknown, Response::Linear] {
+        for (depth_m, speed_m_s, exposure_s) in
+            [(1.0, 1.5, 0.012), (1.0, 3.0, 0.012), (1.0, 3.0, 0.02), (2.0, 4.0, 0.02)]
+        {
+            // A lean of β moves the column by β f for each f rows.
+            let upright = scene(depth_m, speed_m_s, 0.0);
+            let slope = (upright.column(479) - upright.column(0)) / 479.0;
+            let hidden = scene(depth_m, speed_m_s, -slope);
+            let range = range(&hidden, &blurred(&hidden, exposure_s, 0.7), exposure_s, response);
+            assert_eq!(range.status, RangeStatus::Leaning, "{response:?}, {speed_m_s} m/s: {range:?}");
+            assert_eq!(range.depth(Sigmas(2.0)).nearest_m, None);
+        }
+        // What is far has the blur of the lens, and may be a little out of focus.
+        for (depth_m, lens_px) in [(60.0, 0.7), (200.0, 0.7), (1000.0, 0.8), (1000.0, 0.6)] {
+            let far = scene(depth_m, 1.5, 0.0);
+            let range = range(&far, &blurred(&far, 0.008, lens_px), 0.008, response);
+            assert_eq!(range.status, RangeStatus::Far, "{response:?}, {depth_m} m: {range:?}");
         }
     }
 }

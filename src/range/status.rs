@@ -82,7 +82,7 @@ impl RangeStatus {
     #[must_use]
     pub(crate) fn unless(self, objection: Objection, holds: bool) -> Self {
         let is_sound = match objection {
-            Objection::FittedLean => matches!(self, Self::Ok | Self::Far),
+            Objection::FittedLean | Objection::Blur => matches!(self, Self::Ok | Self::Far),
             // A piece of an edge in pulsed light stands still.
             Objection::Light => self == Self::Far,
             // What moves may look as if it leaned.
