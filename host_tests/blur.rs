@@ -3,8 +3,8 @@
 use rand::Rng;
 use shutter_range::sim::{Background, Bar, Exposure, Scene, Simulator};
 use shutter_range::{
-    EdgePoint, ErrorSource, LensBlur, Motion, MotionBlur, Range, RangeStatus, Ranger, ReadoutDirection, Response,
-    Sequence, Setup, Sigmas, Twist,
+    EdgePoint, ErrorSource, LensBlur, Motion, MotionBlur, Q32, Range, RangeStatus, Ranger, ReadoutDirection, Response,
+    Scalar, Sequence, Setup, Sigmas, Twist,
 };
 
 use crate::journey::seed;
@@ -300,5 +300,32 @@ fn a_lean_that_hides_the_motion_is_no_lower_bound() {
             let range = range(&far, &blurred(&far, 0.008, lens_px), 0.008, response);
             assert_eq!(range.status, RangeStatus::Far, "{response:?}, {depth_m} m: {range:?}");
         }
+    }
+}
+
+/// So long a path is no straight one: its blur tells nothing, in no type of number.
+#[test]
+fn a_turn_within_the_exposure_tells_nothing() {
+    fn assert_tells<S: Scalar>(name: &str, rate_rad_s: f64, exposure_s: f64, tells: bool) {
+        let scene = projection::Scene { focal_px: 160.0, ..projection::Scene::vga() };
+        let points: Vec<_> = scene.points().into_iter().map(|point| EdgePoint { width_q8: 768, ..point }).collect();
+        let line = line_of::<16>(&points);
+        let blur = MotionBlur::from_calibrated_lens(S::from_f64(exposure_s), S::from_f64(0.7));
+        let setup = scene.setup_with::<S>(tilt_of(TENTH_DEGREE)).with_motion_blur(blur).expect("sound blur");
+        for rates in [[1.0, 1.0, 1.0], [0.0, 0.0, 1.7], [1.2, -1.2, 0.0]] {
+            let turning = projection::Scene { rate_rad_s: rates.map(|rate| rate * rate_rad_s), ..scene.clone() };
+            let motion = turning.motion::<S>();
+            let (usual, without) =
+                (Range::from_line(&setup, &motion, &line), Range::without_blur(&setup, &motion, &line));
+            assert_eq!(usual.lens_blur.is_some(), tells, "{name}, {rates:?}: {usual:?}");
+            assert_eq!(usual.estimate, without.estimate, "{name}, {rates:?}");
+            assert!(tells || usual.status == without.status, "{name}, {rates:?}: {usual:?}");
+        }
+    }
+    // Half of the turn is 1.7 or 3.4 radians, and a twentieth of one.
+    for (rate_rad_s, exposure_s, tells) in [(20.0, 0.1, false), (20.0, 0.2, false), (3.0, 0.02, true)] {
+        assert_tells::<f64>("f64", rate_rad_s, exposure_s, tells);
+        assert_tells::<f32>("f32", rate_rad_s, exposure_s, tells);
+        assert_tells::<Q32>("Q32", rate_rad_s, exposure_s, tells);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::sample::Sample;
 use crate::motion::{Motion, RotationMatrix};
-use crate::scalar::{Arithmetic, Near, Scalar, near_add, near_cross, near_dot, over, scale, size_of_all};
+use crate::scalar::{Arithmetic, Near, Scalar, dot, near_add, near_cross, near_dot, over, scale, size_of_all};
 use crate::setup::{Camera, RaySpan, RaySpans};
 
 /// A normal `n` of the plane through a ray and a direction, as far as a line through the plane y = 0 needs it.
@@ -60,6 +60,10 @@ impl<N: Near> Normal<N> {
         Self { moved: self.moved.over_power_of_two(more), ..self }
     }
 }
+
+/// A camera turns by no more than twice this angle, in radians, while a ray sweeps along: what the second order leaves
+/// out is a hundredth of the path then, and numbers near one have room for it (`cargo test a_turn_within_the_exposure`).
+const MOST_HALF_TURN: (i32, i32) = (1, 4);
 
 /// A ray against the two directions that an edge is made of. In size their numbers are at most √3.
 #[derive(Clone, Copy)]
@@ -206,8 +210,16 @@ impl<'a, S: Scalar, M: Motion<S>> Observer<'a, S, M> {
         })
     }
 
-    /// What the ray of a point at the start of a time differs by from that at its end.
+    /// What the ray of a point at the start of a time differs by from that at its end; `None` where the camera turns by
+    /// more than a small angle meanwhile, which is reckoned to the second order.
     pub(super) fn sweep(&mut self, point: &Sample<S>, half_s: S) -> Option<Normals<S>> {
+        if M::MAY_TURN && !self.motion.keeps_attitude() {
+            let half_turn = scale(self.motion.pose(point.time_s).rate_rad_s, half_s);
+            let most = S::ratio(MOST_HALF_TURN.0, MOST_HALF_TURN.1);
+            if !(dot(half_turn, half_turn) <= most * most) {
+                return None;
+            }
+        }
         let span = self.spans.span([point.column_px, point.row_px], [S::ZERO; 2])?;
         let rays = self.rays(&span, point.time_s, half_s);
         let Rays { direction, half, position, half_position, .. } = rays;
