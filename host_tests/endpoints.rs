@@ -99,6 +99,21 @@ proptest! {
         prop_assert!((by_ends.sigma_bearing / by_fit.sigma_bearing - 1.0).abs() < 1e-6);
         prop_assert!((by_ends.correlation - by_fit.correlation).abs() < 1e-6);
     }
+
+    /// Noise is that of both ends, and lean what the same tilt makes without noise.
+    #[test]
+    fn the_budget_of_two_ends_adds_up(vx in -3.0..3.0, vz in -2.0..2.0, bearing in -0.3..0.3, depth_m in 0.8..10.0, tilt in 0.0..0.01) {
+        prop_assume!(f64::abs(bearing * vz - vx) > 0.2);
+        let scene = Scene { velocity_m_s: [vx, 0.0, vz], bearing, depth_m, ..Scene::vga() };
+        let (top, low) = (end(&scene, 40), end(&scene, 430));
+        let range = |top, low, tilt| range_of_endpoints(top, low, scene.velocity_m_s, tilt).expect("two ends");
+        let still = |end| Endpoint { sigma: 1e-15, ..end };
+        let (both, noise, lean) = (range(top, low, tilt), range(top, low, 0.0), range(still(top), still(low), tilt));
+        let [noise, lean] = [noise, lean].map(|part| part.sigma_inverse_depth_per_m);
+        prop_assert!(close(both.budget.noise_per_m, noise) && close(both.budget.lean_per_m, lean), "{both:?}");
+        prop_assert!(close(both.budget.independent_per_m(), both.sigma_inverse_depth_per_m), "{both:?}");
+        prop_assert_eq!(both.budget.correlated_per_m(), 0.0);
+    }
 }
 
 fn end(scene: &Scene, row: u16) -> Endpoint<f64> {

@@ -15,7 +15,7 @@
 //! These are first-order: use [`fit`](crate::fit()) for rotation, attitude and anything measured on more than two rows.
 
 use crate::error::ParameterError;
-use crate::range::Estimate;
+use crate::range::{Budget, Estimate};
 use crate::scalar::{Scalar, hypot};
 
 /// κ of the paper's camera: one constant that explains its field test. Calibrated from the published figures, since the
@@ -207,7 +207,8 @@ pub fn range_of_endpoints<S: Scalar>(
     let of_first = nearer(&first) * first.sigma - lever * noise(&first);
     let of_second = lever * noise(&second);
     let of_tilt = nearer(&first) * first.w * sigma_tilt + lever * tilt;
-    let sigma_rho = hypot(hypot(noise(&first), noise(&second)), tilt).max(S::EPSILON);
+    let noise_rho = hypot(noise(&first), noise(&second)).max(S::EPSILON);
+    let sigma_rho = hypot(noise_rho, tilt);
     let sigma_bearing = hypot(hypot(of_first, of_second), of_tilt).max(S::EPSILON);
     // Sums of products of parts: squares of small sigmas would leave no digits in fixed point.
     let product = |a: S, rho: S| (a / sigma_bearing) * (rho / sigma_rho);
@@ -224,6 +225,7 @@ pub fn range_of_endpoints<S: Scalar>(
         sigma_tilt,
         correlation: correlation.max(-S::ONE).min(S::ONE),
         distance_per_depth: (S::ONE + bearing * bearing).sqrt(),
+        budget: Budget { lean_per_m: tilt.abs().min(S::UNKNOWN), ..Budget::of_noise(noise_rho.min(S::UNKNOWN)) },
         ..Estimate::nothing()
     })
 }
