@@ -7,6 +7,8 @@ use shutter_range::{
     Strict, Translation, Twist,
 };
 
+use crate::journey::{normal, seed};
+
 const COLUMNS: u16 = 320;
 const ROWS: u16 = 240;
 
@@ -186,6 +188,45 @@ fn what_a_strict_fit_would_have_to_repair_is_bent() {
     assert_eq!(statuses(&wander), [RangeStatus::Ok, RangeStatus::Bent]);
     let outlier = line(|row| if (96..128).contains(&row) { 3.0 } else { 0.0 });
     assert_eq!(statuses(&outlier), [RangeStatus::Ok, RangeStatus::Bent]);
+}
+
+/// Whatever a line keeps of its rows, three knots or sixteen.
+#[test]
+fn a_strict_range_needs_no_number_of_knots() {
+    fn assert_straight<const KNOTS: usize>() {
+        let random = &mut seed(82);
+        let (mut noisy, mut refused) = (0, 0);
+        for rows in (40..=ROWS).step_by(10) {
+            for hidden in [0..0, rows / 4..rows / 2] {
+                let mut line = |noise_px: f64, sagitta_px: f64| {
+                    let mut point = |row: u16| {
+                        let off = 2.0 * f64::from(row) / f64::from(rows) - 1.0;
+                        let off_px = noise_px * normal(random) + sagitta_px * off * off;
+                        let column_px = 100.0 + 0.1 * f64::from(row) + off_px;
+                        let time_ns = setup().readout().row_time_ns(row);
+                        EdgePoint::new(row, (column_px * 65536.0) as i32, time_ns).with_sigma_q16(6554)
+                    };
+                    let mut line: Line<KNOTS> = Line::new(point(0));
+                    let seen = (1..rows).filter(|row| !hidden.contains(row));
+                    seen.for_each(|row| line.push(point(row)).expect("rows in order"));
+                    Range::strict(&setup(), &motion(), &line).status
+                };
+                let name = format!("{KNOTS} knots, {rows} rows, {hidden:?} hidden");
+                assert_ne!(line(0.0, 0.0), RangeStatus::Bent, "{name}");
+                noisy += 1;
+                refused += u32::from(line(0.1, 0.0) == RangeStatus::Bent);
+                // No knot departs by 1.5 px, but most by more than noise and roughness do.
+                assert_eq!(line(0.0, 2.0), RangeStatus::Bent, "{name}");
+            }
+        }
+        assert!(10 * refused < noisy, "{KNOTS} knots: {refused} of {noisy}");
+    }
+    assert_straight::<4>();
+    assert_straight::<5>();
+    assert_straight::<6>();
+    assert_straight::<7>();
+    assert_straight::<8>();
+    assert_straight::<16>();
 }
 
 /// Where nothing is to be repaired.

@@ -140,16 +140,16 @@ fn modes_and_spare(count: usize) -> [usize; 2] {
 }
 
 /// Whether even all squares together were neither beyond chance in the modes nor in the noise beside them: most edges
-/// are straight, and need no modes.
+/// are straight, and need no modes. So few that none is looked at show noise alone, or nothing.
 #[inline(never)]
 pub(super) fn is_white<S: Scalar>(residuals: &[Residual<'_, S>]) -> bool {
     let squares = squares_of(residuals);
     let within = |count: usize, sigmas: i32| {
-        let count = S::from_i32(count as i32);
-        squares <= count * chance_limit(count, S::from_i32(sigmas))
+        let number = S::from_i32(count as i32);
+        count == 0 || squares <= number * chance_limit(number, S::from_i32(sigmas))
     };
     let [modes, spare] = modes_and_spare(residuals.len());
-    modes > 0 && within(modes, WANDERING_SIGMAS) && within(spare, NOISY_SIGMAS)
+    within(modes, WANDERING_SIGMAS) && within(spare, NOISY_SIGMAS)
 }
 
 /// Sum of the squares of all deviations.
