@@ -119,3 +119,29 @@ fn white_noise_stays_white_noise() {
     let white = Asked { rms: [0.93, 1.07], inside: 0.93 };
     judge("straight", |points, _, _| vec![0.0; points.len()], 0.0, 0.0, white, white);
 }
+
+/// A row is as noisy where its neighbours are not looked at: sigma follows the noise, and no spacing of rows.
+#[test]
+fn rows_far_apart_are_no_wander() {
+    let (scene, noise_px) = (Scene::vga(), 0.1);
+    let setup = scene.setup_with::<f64>(Uncertainty::NONE.with_edge_roughness_px(0.03));
+    for step in [8, 16] {
+        let mut random = StdRng::seed_from_u64(2);
+        let (errors, sigmas): (Vec<_>, Vec<_>) = (0..400)
+            .map(|_| {
+                let noisy = |point: EdgePoint| {
+                    let off: f64 = random.sample(StandardNormal);
+                    let column_q16 = point.column_q16 + q16(noise_px * off);
+                    EdgePoint { column_q16, ..point }.with_sigma_q16(q16(noise_px) as u32)
+                };
+                let points: Vec<_> = scene.points().into_iter().step_by(step).map(noisy).collect();
+                let found = Range::from_line(&setup, &scene.motion(), &line_of::<16>(&points)).estimate;
+                (found.inverse_depth_per_m - 1.0 / scene.depth_m, found.sigma_inverse_depth_per_m)
+            })
+            .unzip();
+        let [error, sigma] = [errors, sigmas].map(|values| rms(values.iter().copied()));
+        println!("one row in {step}: error {error:.5}, sigma {sigma:.5}");
+        // A roughness of 0.03 px is in sigma and not in the edge, and a part of the noise is taken to be of columns.
+        assert!((1.0..2.3).contains(&(sigma / error)), "one row in {step}: error {error}, sigma {sigma}");
+    }
+}

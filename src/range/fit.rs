@@ -193,7 +193,8 @@ impl<'a, S: Scalar, K: Knowledge<S>, const N: usize> Problem<'a, S, K, N> {
         if self.prior.is_drawn() {
             return false;
         }
-        let wander = Wander::of::<N>(&self.residuals(), self.setup, self.prior.width_px());
+        let (width_px, row_spacing) = (self.prior.width_px(), self.prior.row_spacing());
+        let wander = Wander::of::<N>(&self.residuals(), self.setup, width_px, row_spacing);
         if let Some(wander) = &wander {
             self.set_sigmas(wander);
         }

@@ -18,6 +18,8 @@ pub(crate) struct Prior<'a, S: Scalar> {
     pub(super) blur: Option<&'a dyn Blur<S>>,
     /// Blur of the edge, one sigma in pixels.
     pub(super) width_px: S,
+    /// Rows from one point to the next.
+    pub(super) row_spacing: S,
     /// Samples that are known to be those of something else.
     pub(super) left_out: SampleSet,
     /// The line is drawn where the edge is to be expected: that its residuals are small says nothing of its noise.
@@ -66,7 +68,7 @@ impl<S: Scalar> PriorError<'_, S> {
 impl<'a, S: Scalar> Prior<'a, S> {
     /// Without the blur. An edge of earlier frames comes with its [`LineState::statements`].
     pub(super) fn new(state: Option<(&'a LineState<S>, &'a [Statement<S>; 3])>, left_out: SampleSet) -> Self {
-        Self { state, blur: None, width_px: S::ONE, left_out, is_drawn: false }
+        Self { state, blur: None, width_px: S::ONE, row_spacing: S::ONE, left_out, is_drawn: false }
     }
 }
 
@@ -87,6 +89,11 @@ pub(crate) trait Knowledge<S: Scalar> {
 
     /// Blur of the edge, one sigma in pixels.
     fn width_px(&self) -> S {
+        S::ONE
+    }
+
+    /// Rows from one point to the next.
+    fn row_spacing(&self) -> S {
         S::ONE
     }
 
@@ -149,6 +156,10 @@ impl<S: Scalar> Knowledge<S> for Prior<'_, S> {
 
     fn width_px(&self) -> S {
         self.width_px
+    }
+
+    fn row_spacing(&self) -> S {
+        self.row_spacing
     }
 
     fn leaves_out(&self, sample: usize) -> bool {

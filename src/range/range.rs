@@ -143,7 +143,8 @@ impl<S: Scalar> Range<S> {
         let width_px = line.mean_width_px();
         let blur_enters = is_in_question && setup.widths_are_known() && width_px.is_some();
         let width_px = width_px.unwrap_or(S::ONE);
-        let prior = Prior { blur: blur.filter(|_| blur_enters), width_px, ..prior };
+        let row_spacing = line.row_spacing();
+        let prior = Prior { blur: blur.filter(|_| blur_enters), width_px, row_spacing, ..prior };
         let kept = known.as_deref_mut().map(|known| known.insert(LineState::NOTHING));
         let mut estimate = Estimate::nothing();
         let fitted = fit_with::<S, M, KNOTS, _>(setup, motion, || line.samples(), &prior, &mut estimate, kept);

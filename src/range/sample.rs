@@ -159,7 +159,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
     }
 
     /// Rows from one point to the next, if they are evenly spaced.
-    fn row_spacing<S: Scalar>(&self) -> S {
+    pub(super) fn row_spacing<S: Scalar>(&self) -> S {
         let between = i32::from(self.points.saturating_sub(1)).max(1);
         S::from_i32(i32::from(self.last.row.abs_diff(self.first.row))) / S::from_i32(between)
     }

@@ -62,7 +62,7 @@ pub(super) struct Wander<S> {
 
 impl<S: Scalar> Wander<S> {
     /// From the residuals of one fit, in the order of readout; `None` where the errors are white noise as stated.
-    /// `blur_px` is that of the edge.
+    /// `blur_px` is that of the edge, and points are `row_spacing` rows apart.
     ///
     /// Roughness belongs to the object and is alike over some rows. Offsets of the sensor's columns displace an edge
     /// alike until it has moved on by its own blur, which may take many rows. As little of so slow a wander is left in
@@ -70,7 +70,12 @@ impl<S: Scalar> Wander<S> {
     ///
     /// In a sequence each frame counts for itself: what of a wander is the object's is the same in all of them and does
     /// parallax no harm, but what neighbours and backgrounds do to it changes.
-    pub(super) fn of<const N: usize>(residuals: &[Residual<'_, S>], setup: &Setup<S>, blur_px: S) -> Option<Self> {
+    pub(super) fn of<const N: usize>(
+        residuals: &[Residual<'_, S>],
+        setup: &Setup<S>,
+        blur_px: S,
+        row_spacing: S,
+    ) -> Option<Self> {
         let roughness_px = setup.uncertainty().edge_roughness_px;
         let alike_rows = alike_rows(residuals, setup, blur_px)?;
         let (none, mut shown) = (S::ZERO, Shown::NOTHING);
@@ -85,7 +90,7 @@ impl<S: Scalar> Wander<S> {
         }
         let kernel = Kernel::<S, N>::new(residuals, setup, alike_rows);
         shown.see(residuals, Some(&kernel));
-        let wander_px2 = shown.wander_px2(residuals, roughness_px);
+        let wander_px2 = shown.wander_px2(residuals, roughness_px, row_spacing);
         if shown.noise == S::ONE && wander_px2 == none {
             return None;
         }
@@ -306,17 +311,19 @@ impl<S: Scalar> Shown<S> {
 
     /// Variance of the wander.
     #[inline(never)]
-    fn wander_px2(&self, residuals: &[Residual<'_, S>], roughness_px: S) -> S {
+    fn wander_px2(&self, residuals: &[Residual<'_, S>], roughness_px: S, row_spacing: S) -> S {
         let of_noise = self.of_noise * self.noise;
         let shown_px2 = (self.power - of_noise).max(S::ZERO) * over(self.of_wander);
         if roughness_px == S::ZERO {
             return if self.is_chance() { S::ZERO } else { shown_px2 };
         }
         // Noise is measured along the row. As far as it does not change from row to row it belongs to the columns.
-        let of_row =
-            |Residual { stretch, .. }: &Residual<'_, S>| stretch.sigma_px() * stretch.sigma_px() * stretch.rows();
+        let of_row = |Residual { stretch, .. }: &Residual<'_, S>| {
+            stretch.sigma_px() * stretch.sigma_px() * stretch.rows().max(row_spacing)
+        };
         let squares = residuals.iter().map(of_row).fold(S::ZERO, |sum, square| sum + square);
-        let of_columns = squares / S::from_i32(residuals.len() as i32) * (S::ONE - self.share).max(S::ZERO);
+        let points = S::from_i32(residuals.len() as i32) * row_spacing;
+        let of_columns = squares / points * (S::ONE - self.share).max(S::ZERO);
         (roughness_px * roughness_px + of_columns).max(shown_px2)
     }
 }
