@@ -1,5 +1,6 @@
 //! Every status of a range, reached the way a user would.
 
+use shutter_range::messages::{DistanceSensor, Reach};
 use shutter_range::{EdgePoint, Interval, Line, MotionBlur, Range, RangeStatus, Response, Sigmas, Uncertainty};
 
 use crate::journey::{normal, seed};
@@ -202,4 +203,33 @@ fn a_range_reads_like_a_sentence() {
     let against = Scene { velocity_m_s: [1.5, 0.0, 0.0], ..scene.clone() };
     let against = range_of::<f32>(&against, tilt_of(TENTH_DEGREE), &scene.points());
     assert_eq!(against.to_string(), "slopes against the motion");
+}
+
+/// Of edges at infinity half come out behind the camera, within three sigma. No such thing exists: each has a bound, and
+/// none is farther than of an edge that noise has left just at infinity.
+#[test]
+fn what_is_far_has_a_bound_at_any_sigma() {
+    let random = &mut seed(71);
+    let (mut behind, mut beyond) = (0, 0);
+    for _ in 0..1000 {
+        let scene = Scene { depth_m: 1e6, tilt: TENTH_DEGREE * normal(random), ..Scene::vga() };
+        let range = range(&scene);
+        if range.status != RangeStatus::Far {
+            continue;
+        }
+        let sigma_per_m = range.estimate.sigma_inverse_depth_per_m;
+        behind += u32::from(range.estimate.inverse_depth_per_m < -sigma_per_m);
+        for sigmas in [0.5, 1.0, 2.0, 3.0] {
+            let depth = range.depth(Sigmas(sigmas));
+            let nearest_m = depth.nearest_m.expect("a bound");
+            assert!(nearest_m <= 1.001 / (sigmas * sigma_per_m) && nearest_m > 5.0, "{sigmas} sigmas: {range:?}");
+            assert_eq!(depth.estimate_m, None);
+        }
+        let message =
+            DistanceSensor::of_range(&range, &Reach::new(0.2, 10.0).expect("a sound reach"), [1.0, 0.0, 0.0, 0.0]);
+        // Of nothing it has a quality of 1.
+        beyond += u32::from((message.current_distance, message.signal_quality) == (1001, 100));
+    }
+    // One in six is below minus one sigma.
+    assert!(behind > 100 && beyond > 700, "{behind}, {beyond}");
 }

@@ -55,7 +55,8 @@ pub struct Sigmas<S>(pub S);
 pub struct Interval<S> {
     /// The most likely length and one standard deviation in metres; `None` unless the status is `Ok`.
     pub estimate_m: Option<(S, S)>,
-    /// Lower bound in metres; `None` where the status says that the slope is no depth.
+    /// Lower bound in metres, of an edge in front of the camera: where noise has left an inverse depth below zero, sigmas
+    /// count from zero. `None` where the status says that the slope is no depth.
     pub nearest_m: Option<S>,
     /// Upper bound in metres; `None` where there is none.
     pub farthest_m: Option<S>,
@@ -166,7 +167,8 @@ impl<S: Scalar> Interval<S> {
         let estimate = if status == RangeStatus::Ok { length(rho) } else { None };
         Self {
             estimate_m: estimate.map(|length| (length, length * (sigma / rho))),
-            nearest_m: length(rho + sigma * sigmas),
+            // No edge is behind the camera: below zero the inverse depth is noise.
+            nearest_m: length(rho.max(S::ZERO) + sigma * sigmas),
             farthest_m: length(rho - sigma * sigmas),
         }
     }

@@ -89,7 +89,7 @@ impl<S: Scalar> Post<S> {
         })
     }
 
-    /// `Ok`, or `Far` within three sigma of infinity.
+    /// `Ok`, or `Far` within three sigma of infinity; `Inconsistent` where both sides together are beyond it by more.
     #[must_use]
     pub fn status(&self) -> RangeStatus {
         RangeStatus::of_numbers(self.inverse_depth_per_m, self.sigma_inverse_depth_per_m, false)
