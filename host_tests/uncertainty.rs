@@ -1,11 +1,13 @@
 //! What a setup states about speed, rotation, gravity, readout and focal length: each sigma against the error that the
 //! same disturbance causes.
 
+use rand::Rng;
 use shutter_range::{
     Distortion, EdgePoint, Estimate, Intrinsics, Motion, Pose, Range, RangeStatus, Sample, Setup, Sigmas, Uncertainty,
     fit,
 };
 
+use crate::journey::{normal, seed};
 use crate::projection::Scene;
 use crate::scenes::{TENTH_DEGREE, line_of, q16, range_of, tilt_of};
 
@@ -280,4 +282,35 @@ fn the_budget_is_as_the_table_of_its_documentation_says() {
             assert!((whole / estimate.sigma_inverse_depth_per_m - 1.0).abs() < 1e-6, "rounding of roots of squares");
         }
     }
+}
+
+/// A camera that moves along the edge knows its depth by the lean, and neither lean nor bearing well: what the prior of
+/// the tilt does to the depth depends on where in this range the bearing is.
+#[test]
+fn the_budget_adds_up_where_the_bearing_is_hardly_known() {
+    let random = &mut seed(83);
+    let mut told = 0;
+    for case in 0..200 {
+        let scene = Scene {
+            focal_px: 170.0,
+            velocity_m_s: [0.0, random.random_range(1.0..9.0), 0.0],
+            tilt: random.random_range(0.05..0.3),
+            bearing: random.random_range(-0.4..0.4),
+            ..Scene::vga()
+        };
+        let sigma_gravity = random.random_range(0.4..0.7);
+        let noisy = |point: EdgePoint| {
+            let column_q16 = point.column_q16 + q16(normal(random));
+            EdgePoint { column_q16, ..point }.with_sigma_q16(q16(1.0) as u32)
+        };
+        let points: Vec<_> = scene.points().into_iter().step_by(4).map(noisy).collect();
+        let uncertainty = Uncertainty::NONE.with_sigma_gravity(sigma_gravity).with_sigma_tilt(0.01);
+        let Range { estimate, .. } = range_of::<f64>(&scene, uncertainty, &points);
+        if estimate.sigma_inverse_depth_per_m < 1e5 {
+            told += 1;
+            let whole = estimate.budget.independent_per_m().hypot(estimate.budget.correlated_per_m());
+            assert!((whole / estimate.sigma_inverse_depth_per_m - 1.0).abs() < 1e-6, "{case}: {estimate:?}");
+        }
+    }
+    assert!(told > 40, "{told}");
 }

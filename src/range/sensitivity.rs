@@ -37,9 +37,10 @@ impl<S: Scalar> Sensitivity<S> {
         let [_, independent_per_m, _] = own.sigma();
         let mut budget = Budget::of_noise(independent_per_m);
         for (error, [_, effect, _]) in self.scaled_by_sigma(setup, bearing) {
-            let part = effect.abs();
+            let mut part = effect.abs();
             if error.is_in_prior() {
-                let part = part.min(budget.noise_per_m);
+                // More than all of it is rounding.
+                part = part.min(budget.noise_per_m);
                 budget.noise_per_m = ((budget.noise_per_m - part) * (budget.noise_per_m + part)).sqrt();
             }
             match error {
