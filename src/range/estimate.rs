@@ -35,8 +35,10 @@ pub struct Estimate<S> {
     pub budget: Budget<S>,
     /// Shortest distance to the edge's line, in units of its depth: |(a, 0, 1) × g|.
     pub distance_per_depth: S,
-    /// Root mean square of the residuals in units of the stated noise: about 1 for a straight edge. Where it is larger
-    /// than chance allows, or neighbouring residuals are alike, the sigmas have been enlarged accordingly.
+    /// Root mean square of the residuals in units of the stated noise and
+    /// [roughness](crate::Uncertainty::edge_roughness_px) together: about 1 for an edge that is as rough as stated, and
+    /// less for a straighter one. Where it is larger than chance allows, or neighbouring residuals are alike, the sigmas
+    /// have been enlarged accordingly.
     pub misfit: S,
     /// The residuals exceed [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass
     /// the edge within the frame; in a [strict](crate::Range::strict) range, or they are not those of noise as stated.

@@ -1,11 +1,11 @@
-//! [`GoodnessOfFit`]: the residuals of a line against the stated noise. docs/model.md, section 3.9.
+//! [`GoodnessOfFit`]: the residuals of a line against stated noise and roughness. docs/model.md, section 3.9.
 
 use super::tuning::{MOST_SIGMAS, NO_BEND_SIGMAS};
 use crate::scalar::Scalar;
 
 /// How well a straight line fits.
 pub(crate) struct GoodnessOfFit<S> {
-    /// Root mean square of the residuals in units of the stated noise.
+    /// Root mean square of the residuals in units of stated noise and roughness together.
     pub(crate) misfit: S,
     /// Largest departure from a straight line in pixels, beyond what noise explains.
     pub(crate) departure_px: S,
