@@ -314,3 +314,31 @@ fn the_budget_adds_up_where_the_bearing_is_hardly_known() {
     }
     assert!(told > 40, "{told}");
 }
+
+/// A camera that looks up or down, and rolls: its pitch leans what is beside the axis by more.
+#[test]
+fn sigma_explains_an_error_of_gravity_of_a_camera_that_is_not_level() {
+    for (pitch_deg, roll, bearing) in [(20.0, 0.0, 0.45), (40.0, 0.0, 0.45), (-40.0, 0.1, -0.45), (55.0, -0.1, 0.4)] {
+        let (sine, cosine) = f64::to_radians(pitch_deg).sin_cos();
+        let length = f64::hypot(1.0, roll);
+        let [x, y, z] = [roll, cosine, sine].map(|part| part / length);
+        let scene = Scene { gravity: [x, y, z], bearing, ..Scene::vga() };
+        // So noisy that their curve does not tell the lean.
+        let points: Vec<_> = scene.points().into_iter().map(|point| point.with_sigma_q16(q16(10.0) as u32)).collect();
+        let estimate = |told: &Scene, uncertainty| range_of::<f64>(told, uncertainty, &points).estimate;
+        // To the right of the image, and towards the scene.
+        let flat = x.hypot(y);
+        let across = [[y / flat, -x / flat, 0.0], [-(x * z) / flat, -(y * z) / flat, flat]];
+        let changes = across.map(|way| {
+            let changed = |step: f64| {
+                let gravity = std::array::from_fn(|axis| scene.gravity[axis] + step * way[axis]);
+                let told = Scene { gravity, ..scene.clone() };
+                estimate(&told, Uncertainty::NONE).inverse_depth_per_m
+            };
+            (changed(SMALL) - changed(-SMALL)) / 2.0
+        });
+        let change = changes[0].hypot(changes[1]);
+        let part = estimate(&scene, Uncertainty::NONE.with_sigma_gravity(SMALL)).budget.gravity_per_m;
+        assert!((part / change - 1.0).abs() < SECOND_ORDER, "{pitch_deg} degrees: {part} for {changes:?}");
+    }
+}

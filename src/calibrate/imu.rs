@@ -10,7 +10,7 @@ use crate::line::Line;
 use crate::motion::Motion;
 use crate::range::fit;
 use crate::scalar::{Scalar, add, cross, dot, hypot, scale};
-use crate::setup::{Setup, Uncertainty};
+use crate::setup::{Setup, Uncertainty, tilt_per_pitch};
 
 /// Takes the lines of upright edges in frames of a camera that turns and hardly moves, each with the motion that the
 /// gyroscope tells for three offsets of its clock, and says by how much clock and gravity are off.
@@ -203,9 +203,7 @@ impl<S: Scalar, const EDGES: usize> ImuCalibration<S, EDGES> {
 
     /// Lean in the image of an edge at a bearing for a unit change of gravity in either direction.
     fn per_gravity(&self, bearing: S) -> [S; 2] {
-        let normal = cross([bearing, S::ZERO, S::ONE], self.gravity);
-        let [right, forward] = self.across();
-        [S::ONE, dot(normal, forward) / dot(normal, right)]
+        [S::ONE, tilt_per_pitch(bearing, self.gravity)]
     }
 
     /// Roll, pitch and offset with each edge's own lean taken out.

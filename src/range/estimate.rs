@@ -76,7 +76,7 @@ impl<S: Scalar> Estimate<S> {
     pub(crate) fn set(&mut self, state: &LineState<S>, setup: &Setup<S>, goodness_of_fit: &GoodnessOfFit<S>) {
         let LineState { line3, covariance, sensitivity } = state;
         let across = cross([line3.bearing, S::ZERO, S::ONE], line3.gravity);
-        let total = sensitivity.total(*covariance, setup, line3.bearing);
+        let total = sensitivity.total(*covariance, setup, line3);
         let [sigma_bearing, sigma_inverse_depth_per_m, sigma_tilt] = total.sigma();
         // Nothing is known of an inverse depth that the motion does not show.
         let known = sigma_inverse_depth_per_m < S::UNKNOWN;
@@ -88,7 +88,7 @@ impl<S: Scalar> Estimate<S> {
             sigma_inverse_depth_per_m,
             sigma_tilt,
             correlation: total.correlation(),
-            budget: sensitivity.budget(covariance, setup, line3.bearing),
+            budget: sensitivity.budget(covariance, setup, line3),
             distance_per_depth: dot(across, across).sqrt(),
             misfit: goodness_of_fit.misfit,
             bent: goodness_of_fit.departure_px > S::from_ratio(i64::from(setup.limits().max_departure_q16), 1 << 16),

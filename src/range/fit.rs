@@ -87,7 +87,7 @@ pub(crate) fn fit_with<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<Item
     estimate: &mut Estimate<S>,
     kept: Option<&mut LineState<S>>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem::<S, _, N>::new(setup, prior);
+    let mut problem = Problem::<S, _, N>::new(setup, motion.gravity(), prior);
     problem.observe_all(motion, samples, setup.uncertainty().edge_roughness_px)?;
     problem.solve()?;
     problem.settle_without_outliers()?;
@@ -106,7 +106,7 @@ pub(crate) fn fit_strictly<S: Scalar, M: Motion<S>, const N: usize, I: Iterator<
     samples: impl FnOnce() -> I,
     estimate: &mut Estimate<S>,
 ) -> Result<Fitted<S, N>, FitError> {
-    let mut problem = Problem::<S, _, N>::new(setup, &Nothing);
+    let mut problem = Problem::<S, _, N>::new(setup, motion.gravity(), &Nothing);
     // How roughness is alike from sample to sample is not followed: of samples of four rows and more this is the most
     // that it can come to.
     let roughness_px = setup.uncertainty().edge_roughness_px;
@@ -145,7 +145,7 @@ impl<'a, S: Scalar, K: Knowledge<S>, const N: usize> Problem<'a, S, K, N> {
             self.observations.push(seen).map_err(|_| FitError::TooManySamples)?;
         }
         self.share_reach();
-        let free_tilt = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO;
+        let free_tilt = setup.uncertainty().allows_tilt();
         let least = if free_tilt && prior.state().is_none() { 3 } else { 2 };
         let inliers = self.observations.iter().filter(|observation| observation.normals.is_inlier).count();
         if inliers < least { Err(FitError::TooFewSamples(inliers)) } else { Ok(()) }

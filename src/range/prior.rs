@@ -113,13 +113,13 @@ pub(crate) trait Knowledge<S: Scalar> {
     }
 
     /// Its equations but for the blur's, linearised about `at`.
-    fn equations(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(Equation<S>)) {
+    fn equations(&self, setup: &Setup<S>, gravity: [S; 3], at: &Unknowns<S>, mut each: impl FnMut(Equation<S>)) {
         match self.state() {
             Some((state, statements)) => {
                 stated(statements).for_each(|statement| each(statement.equation(&state.line3, at)));
             }
             None => {
-                let per_sigma = per_sigma_of_tilt(setup, at);
+                let per_sigma = per_sigma_of_tilt(setup, gravity, at);
                 if per_sigma > S::ZERO {
                     each(Equation { w: per_sigma, y: -(at.tilt * per_sigma), ..Equation::NOTHING });
                 }
@@ -128,13 +128,13 @@ pub(crate) trait Knowledge<S: Scalar> {
     }
 
     /// What shared errors do to each of [`equations`](Self::equations), in the same order.
-    fn errors(&self, setup: &Setup<S>, at: &Unknowns<S>, mut each: impl FnMut(PriorError<'_, S>)) {
+    fn errors(&self, setup: &Setup<S>, gravity: [S; 3], at: &Unknowns<S>, mut each: impl FnMut(PriorError<'_, S>)) {
         match self.state() {
             Some((state, statements)) => {
                 stated(statements).for_each(|statement| each(PriorError::Earlier(state, *statement)));
             }
             None => {
-                let per_sigma = per_sigma_of_tilt(setup, at);
+                let per_sigma = per_sigma_of_tilt(setup, gravity, at);
                 if per_sigma > S::ZERO {
                     each(PriorError::Tilt(per_sigma));
                 }
@@ -177,6 +177,6 @@ fn stated<S: Scalar>(statements: &[Statement<S>; 3]) -> impl Iterator<Item = &St
 }
 
 /// An edge is upright, but for its lean and the direction of gravity. Zero for a sigma of zero: no tilt at all.
-fn per_sigma_of_tilt<S: Scalar>(setup: &Setup<S>, at: &Unknowns<S>) -> S {
-    over(setup.uncertainty().sigma_tilt_at(at.bearing))
+fn per_sigma_of_tilt<S: Scalar>(setup: &Setup<S>, gravity: [S; 3], at: &Unknowns<S>) -> S {
+    over(setup.uncertainty().sigma_tilt_at(at.bearing, gravity))
 }

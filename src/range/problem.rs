@@ -19,6 +19,8 @@ use crate::setup::Setup;
 pub(super) struct Problem<'a, S: Scalar, K, const N: usize> {
     pub(super) setup: &'a Setup<S>,
     pub(super) prior: &'a K,
+    /// Down, in the axes of frame start.
+    gravity: [S; 3],
     pub(super) observations: Vec<Observation<S>, N>,
     pub(super) equations: Equations<S, N>,
     pub(super) last: Solved<S>,
@@ -119,8 +121,9 @@ impl<'a, S: Scalar, K: Knowledge<S>, const N: usize> Problem<'a, S, K, N> {
     /// Without observations.
     // Not inlined: what it is made of would stay on the stack beside it.
     #[inline(never)]
-    pub(super) fn new(setup: &'a Setup<S>, prior: &'a K) -> Self {
-        Self { setup, prior, observations: Vec::new(), equations: Equations::new(), last: Solved::NOTHING, blur: None }
+    pub(super) fn new(setup: &'a Setup<S>, gravity: [S; 3], prior: &'a K) -> Self {
+        let (observations, equations) = (Vec::new(), Equations::new());
+        Self { setup, prior, gravity, observations, equations, last: Solved::NOTHING, blur: None }
     }
 }
 
@@ -137,7 +140,7 @@ impl<S: Scalar, K: Knowledge<S>, const N: usize> Problem<'_, S, K, N> {
             is_in_front &= in_front;
             equations.push_observed(equation, units);
         }
-        self.prior.equations(self.setup, at, |equation| equations.push_prior(equation));
+        self.prior.equations(self.setup, self.gravity, at, |equation| equations.push_prior(equation));
         // Far from the solution the blur leads astray.
         if round == Round::Later
             && let Some((equation, per_lens_px)) = self.blur_equation(at)

@@ -139,7 +139,7 @@ impl<S: Scalar> Range<S> {
     ) -> Self {
         // Where the tilt is in question the blur decides, but only once: in later frames the lens's error would be the
         // same, and parallax tells far more.
-        let is_in_question = setup.uncertainty().sigma_tilt_at(S::ZERO) > S::ZERO && prior.state.is_none();
+        let is_in_question = setup.uncertainty().allows_tilt() && prior.state.is_none();
         let width_px = line.mean_width_px();
         let blur_enters = is_in_question && setup.widths_are_known() && width_px.is_some();
         let width_px = width_px.unwrap_or(S::ONE);
@@ -238,7 +238,7 @@ impl<S: Scalar> Range<S> {
         self.column_at_first_row = column_at(setup, motion, line3, top);
         self.column_at_last_row = column_at(setup, motion, line3, bottom);
         self.points_used = line.points_in(fitted.inliers.iter().copied());
-        let leans = leans_too_much(setup, &self.estimate, is_single);
+        let leans = leans_too_much(setup, motion.gravity(), &self.estimate, is_single);
         // Frames that agree are evidence enough, however short or cluttered the line is in this one.
         let status = if is_single { status_of(setup, line, &self.estimate) } else { self.estimate.status() };
         self.status = status
@@ -320,8 +320,8 @@ const MOST_PRIOR_SIGMAS: i32 = 4;
 
 /// Whether the fitted lean contradicts the prior: the edge leans more than was stated, or its clock is wrong. Where the
 /// parallax of several frames has measured the lean, only a large one speaks against the edge.
-fn leans_too_much<S: Scalar>(setup: &Setup<S>, estimate: &Estimate<S>, is_single: bool) -> bool {
-    let prior = setup.uncertainty().sigma_tilt_at(estimate.bearing);
+fn leans_too_much<S: Scalar>(setup: &Setup<S>, gravity: [S; 3], estimate: &Estimate<S>, is_single: bool) -> bool {
+    let prior = setup.uncertainty().sigma_tilt_at(estimate.bearing, gravity);
     let is_measured = !is_single && estimate.sigma_tilt + estimate.sigma_tilt < prior;
     let most = if is_measured {
         S::from_ratio(setup.limits().max_lean_q16.into(), 1 << 16)

@@ -2,6 +2,7 @@
 
 use super::budget::Budget;
 use super::covariance::Covariance;
+use super::line3::Line3;
 use super::shared_error::{SHARED_ERRORS, SharedError};
 use crate::scalar::{Scalar, hypot, scale};
 use crate::setup::Setup;
@@ -15,28 +16,28 @@ impl<S: Scalar> Sensitivity<S> {
     /// Of what no error moves.
     pub(super) const NONE: Self = Self([[S::ZERO; 3]; SHARED_ERRORS]);
 
-    /// Each error with what one standard deviation of it does.
-    fn scaled_by_sigma(&self, setup: &Setup<S>, bearing: S) -> impl Iterator<Item = (SharedError, [S; 3])> {
+    /// Each error with its standard deviation for a line, and what that does.
+    fn scaled_by_sigma(&self, setup: &Setup<S>, line3: &Line3<S>) -> impl Iterator<Item = (SharedError, S, [S; 3])> {
         let errors = SharedError::ALL.into_iter().zip(&self.0);
         errors.filter_map(move |(error, effect)| {
-            let sigma = error.sigma(setup, bearing);
-            (sigma > S::ZERO).then(|| (error, scale(*effect, sigma)))
+            let sigma = error.sigma(setup, line3.bearing, line3.gravity);
+            (sigma > S::ZERO).then(|| (error, sigma, scale(*effect, sigma)))
         })
     }
 
     /// The covariance from noise and priors, with the errors that all samples share.
     #[inline(never)]
-    pub(crate) fn total(&self, own: Covariance<S>, setup: &Setup<S>, bearing: S) -> Covariance<S> {
-        let shared = self.scaled_by_sigma(setup, bearing).filter(|(error, _)| !error.is_in_prior());
-        shared.fold(own, |sum, (_, effect)| sum.and(effect))
+    pub(crate) fn total(&self, own: Covariance<S>, setup: &Setup<S>, line3: &Line3<S>) -> Covariance<S> {
+        let shared = self.scaled_by_sigma(setup, line3).filter(|(error, ..)| !error.is_in_prior());
+        shared.fold(own, |sum, (.., effect)| sum.and(effect))
     }
 
     /// Which part of the inverse depth's sigma comes from where.
     #[inline(never)]
-    pub(crate) fn budget(&self, own: &Covariance<S>, setup: &Setup<S>, bearing: S) -> Budget<S> {
+    pub(crate) fn budget(&self, own: &Covariance<S>, setup: &Setup<S>, line3: &Line3<S>) -> Budget<S> {
         let [_, independent_per_m, _] = own.sigma();
         let mut budget = Budget::of_noise(independent_per_m);
-        for (error, [_, effect, _]) in self.scaled_by_sigma(setup, bearing) {
+        for (error, sigma, [_, effect, _]) in self.scaled_by_sigma(setup, line3) {
             let mut part = effect.abs();
             if error.is_in_prior() {
                 // More than all of it is rounding.
@@ -45,8 +46,7 @@ impl<S: Scalar> Sensitivity<S> {
             }
             match error {
                 SharedError::Tilt => {
-                    let sigma = error.sigma(setup, bearing);
-                    let lean = if sigma > S::ZERO { setup.uncertainty().sigma_tilt / sigma } else { S::ZERO };
+                    let lean = setup.uncertainty().sigma_tilt / sigma;
                     budget.lean_per_m = part * lean;
                     budget.gravity_per_m = part * ((S::ONE - lean) * (S::ONE + lean)).sqrt();
                 }

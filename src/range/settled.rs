@@ -61,9 +61,9 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
     #[inline(never)]
     fn respond_of_priors(&self, effects: &mut [[S; 3]; SHARED_ERRORS]) {
         let Self { setup, prior, equations, at, solution, .. } = self;
-        let speed_counts = SharedError::Speed.sigma(setup, at.bearing) > S::ZERO;
+        let speed_counts = setup.uncertainty().sigma_speed > S::ZERO;
         let mut equations_of_prior = equations.prior.iter();
-        prior.errors(setup, at, |prior_error| {
+        prior.errors(setup, self.motion.gravity(), at, |prior_error| {
             let Some(equation) = equations_of_prior.next() else { return };
             if let ([_, _, speed, ..], true) = (&mut *effects, speed_counts) {
                 // What was known before the line was seen does not know of it.
@@ -88,7 +88,9 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
 
     /// Whether each error has a sigma and moves observations: what is in the prior moves none.
     fn counts(&self) -> [bool; SHARED_ERRORS] {
-        let counts = |error: SharedError| !error.is_in_prior() && error.sigma(self.setup, self.at.bearing) > S::ZERO;
+        let Self { setup, motion, at, .. } = self;
+        let has_sigma = |error: SharedError| error.sigma(setup, at.bearing, motion.gravity()) > S::ZERO;
+        let counts = |error: SharedError| !error.is_in_prior() && has_sigma(error);
         SharedError::ALL.map(counts)
     }
 

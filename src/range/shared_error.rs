@@ -27,10 +27,10 @@ impl SharedError {
         [Self::Tilt, Self::Lens, Self::Speed, Self::Rate(0), Self::Rate(1), Self::Rate(2), Self::Readout, Self::Focal];
 
     /// One standard deviation, for an edge at a bearing.
-    pub(crate) fn sigma<S: Scalar>(self, setup: &Setup<S>, bearing: S) -> S {
+    pub(crate) fn sigma<S: Scalar>(self, setup: &Setup<S>, bearing: S, gravity: [S; 3]) -> S {
         let uncertainty = setup.uncertainty();
         match self {
-            Self::Tilt => uncertainty.sigma_tilt_at(bearing),
+            Self::Tilt => uncertainty.sigma_tilt_at(bearing, gravity),
             Self::Lens => setup.motion_blur().map_or(S::ZERO, |blur| blur.sigma_lens_blur_px),
             Self::Speed => uncertainty.sigma_speed,
             Self::Rate(_) => uncertainty.sigma_rate_rad_s,

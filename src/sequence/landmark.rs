@@ -177,7 +177,7 @@ impl<S: Scalar> Landmark<S> {
     }
 
     pub(super) fn total(&self, setup: &Setup<S>) -> Covariance<S> {
-        self.state.sensitivity.total(self.state.covariance, setup, self.state.line3.bearing)
+        self.state.sensitivity.total(self.state.covariance, setup, &self.state.line3)
     }
 
     /// Ranges a line that is this edge, with what earlier frames have told, and updates the state.

@@ -4,7 +4,7 @@ use super::tuning::{DRIFT_PER_ROUGHNESS, UNSURE_TIME};
 use crate::motion::{Motion, Pose};
 use crate::range::{Covariance, Line3, LineState, Sensitivity, SharedError};
 use crate::scalar::{Scalar, add, cross, dot, hypot, on_axis, scale, sub};
-use crate::setup::Setup;
+use crate::setup::{Setup, tilt_per_pitch};
 
 impl<S: Scalar> LineState<S> {
     /// The same edge as seen from the next frame's start, with what drifts on the way added to the covariance.
@@ -17,9 +17,11 @@ impl<S: Scalar> LineState<S> {
         // A turn brings some of the lean towards or away from the camera into the image plane; so does a change of the
         // bearing, which also lets the camera's pitch show as a tilt.
         let turned = propagated_line.turned_lean(&self.line3, transition) * uncertainty.sigma_tilt;
-        let passed = (propagated_line.line3.bearing - self.line3.bearing)
-            * hypot(uncertainty.sigma_tilt, uncertainty.sigma_gravity);
-        let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, hypot(turned, passed)]);
+        let passed = (propagated_line.line3.bearing - self.line3.bearing) * uncertainty.sigma_tilt;
+        let pitch_of = |line3: &Line3<S>| tilt_per_pitch(line3.bearing, line3.gravity);
+        let pitched = (pitch_of(&propagated_line.line3) - pitch_of(&self.line3)) * uncertainty.sigma_gravity;
+        let tilted = hypot(hypot(turned, passed), pitched);
+        let mut covariance = self.covariance.through(jacobian).and([S::ZERO, S::ZERO, tilted]);
         let drift_px = uncertainty.edge_roughness_px * S::from_i32(DRIFT_PER_ROUGHNESS);
         covariance = covariance.and([drift_px / setup.camera().intrinsics().fx, S::ZERO, S::ZERO]);
         if transition.sigma_time_s > S::ZERO {
@@ -32,15 +34,14 @@ impl<S: Scalar> LineState<S> {
         for (error, effect) in SharedError::ALL.into_iter().zip(&mut sensitivity.0) {
             let mut propagated = times(jacobian, *effect);
             if matches!(error, SharedError::Speed | SharedError::Rate(_)) {
-                let sigma = error.sigma(setup, self.line3.bearing);
+                let sigma = error.sigma(setup, self.line3.bearing, self.line3.gravity);
                 covariance = covariance.and(scale(propagated, sigma * lost));
                 propagated = scale(propagated, kept);
             }
             *effect = add(propagated, propagated_line.change_of(error, &self.line3, transition));
         }
         let state = Self { line3: propagated_line.line3, covariance, sensitivity };
-        let seeks_tilt = uncertainty.sigma_tilt_at(S::ZERO) > S::ZERO;
-        Some(if seeks_tilt { state } else { state.upright() })
+        Some(if uncertainty.allows_tilt() { state } else { state.upright() })
     }
 
     /// The same where nothing shows that the time since it was seen first is right. `other` is the same edge at another

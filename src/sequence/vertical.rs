@@ -109,7 +109,7 @@ impl<S: Scalar> Vertical<S> {
     #[must_use]
     pub fn fit<M: Motion<S>, const KNOTS: usize>(setup: &Setup<S>, motion: &M, lines: &[Line<KNOTS>]) -> Option<Self> {
         let mut planes: Vec<EdgePlane<S>, LONGEST> = Vec::new();
-        let prior = setup.uncertainty().sigma_tilt_at(S::ZERO);
+        let prior = setup.uncertainty().sigma_tilt_at(S::ZERO, motion.gravity());
         for line in lines {
             let mut state = None;
             let _ = Range::continued(setup, motion, line, None, SampleSet::default(), &mut state);

@@ -25,3 +25,4 @@ pub use response::Response;
 pub use setup::Setup;
 pub use stamp_policy::StampPolicy;
 pub use uncertainty::Uncertainty;
+pub(crate) use uncertainty::tilt_per_pitch;

@@ -1,7 +1,7 @@
 //! [`Uncertainty`]: how well tilt, gravity, motion, readout and focal length are known.
 
 use crate::error::ParameterError;
-use crate::scalar::{Scalar, hypot};
+use crate::scalar::{Scalar, hypot, over};
 
 /// How well everything is known that a frame does not measure: one standard deviation each.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,13 +103,18 @@ impl<S: Scalar> Uncertainty<S> {
         self
     }
 
-    /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and bearing times the camera's
-    /// pitch.
-    pub(crate) fn sigma_tilt_at(&self, bearing: S) -> S {
+    /// Whether edges may be tilted.
+    pub(crate) fn allows_tilt(&self) -> bool {
+        self.sigma_tilt > S::ZERO || self.sigma_gravity > S::ZERO
+    }
+
+    /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and what the camera's pitch makes of
+    /// the bearing.
+    pub(crate) fn sigma_tilt_at(&self, bearing: S, gravity: [S; 3]) -> S {
         if self.sigma_gravity == S::ZERO {
             return self.sigma_tilt;
         }
-        let gravity = hypot(self.sigma_gravity, self.sigma_gravity * bearing);
+        let gravity = hypot(self.sigma_gravity, self.sigma_gravity * tilt_per_pitch(bearing, gravity));
         hypot(self.sigma_tilt, gravity)
     }
 
@@ -129,6 +134,12 @@ impl<S: Scalar> Uncertainty<S> {
             None => Ok(()),
         }
     }
+}
+
+/// Lean in the image of an upright edge at a bearing for a unit change of gravity towards the scene: (n · f)/(n · e) with
+/// n = (a, 0, 1) × g, e across gravity in the image plane and f = e × g. For a level camera that is −a.
+pub(crate) fn tilt_per_pitch<S: Scalar>(bearing: S, [x, y, z]: [S; 3]) -> S {
+    -(bearing * y) * over((x * x).plus_product(y, y) - bearing * x * z)
 }
 
 impl<S: Scalar> Default for Uncertainty<S> {
