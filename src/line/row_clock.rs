@@ -93,7 +93,7 @@ impl RowClock {
     /// Takes the first stamp of a row and returns the row's time.
     ///
     /// *Errors*: [`EdgeError::TimeRange`], [`EdgeError::TimeOrder`] and [`EdgeError::Stamp`], where nothing changes.
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn begin_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, stamp_ns: i64) -> Result<i64, EdgeError> {
         let time_ns = self.time_after(setup, row, stamp_ns, self.latest_ns)?;
         self.latest_ns = self.latest_ns.max(stamp_ns);

@@ -35,11 +35,16 @@ impl Steps {
     }
 
     /// Marks the lines under way that begin or break off where the light has changed.
+    #[inline(always)]
     pub(super) fn mark_cut<const LINES: usize, const KNOTS: usize>(&self, table: &mut Table<LINES, KNOTS>, row: u16) {
-        if !(self.is_near_change(row)
-            && self.light.has_changed()
-            && self.is_cut_by_light(table.tracks_under_way(), row))
-        {
+        if self.light.has_changed() && self.is_near_change(row) {
+            self.mark_near_change(table, row);
+        }
+    }
+
+    #[inline(never)] // seldom
+    fn mark_near_change<const LINES: usize, const KNOTS: usize>(&self, table: &mut Table<LINES, KNOTS>, row: u16) {
+        if !self.is_cut_by_light(table.tracks_under_way(), row) {
             return;
         }
         let (places, mut tracks) = table.places_and_tracks();

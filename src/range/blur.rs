@@ -3,7 +3,6 @@
 use super::equation::Equation;
 use super::line3::Line3;
 use super::observation::{Normals, Observer};
-use super::sample::Sample;
 use super::unknowns::Unknowns;
 use crate::line::{Knot, Line};
 use crate::motion::Motion;
@@ -23,8 +22,8 @@ pub(super) trait Blur<S: Scalar> {
     /// Linearised about `unknowns`, and what a pixel of the lens's own blur takes from its y.
     fn equation(&self, unknowns: &Unknowns<S>) -> Option<(Equation<S>, S)>;
 
-    /// The two paths that its equation about `unknowns` is made of.
-    fn paths(&self, unknowns: &Unknowns<S>) -> Option<[PathInPlace<S>; 2]>;
+    /// What errors of the path do to that equation.
+    fn path_errors(&self, unknowns: &Unknowns<S>) -> Option<PathErrors<S>>;
 
     /// Whether it is that of the slope which a fit has found, and what it tells of the lens. `entered`: the fit has made
     /// use of it.
@@ -40,9 +39,7 @@ pub(super) trait Blur<S: Scalar> {
 /// *Source*: blur = |slope caused by motion| · exposure / line time.
 #[derive(Clone, Copy)]
 pub(crate) struct BlurMeasurement<'a, S: Scalar> {
-    /// Two places of the line in the middle of their exposures.
-    places: [Sample<S>; 2],
-    /// What the ray of each at the start of the exposure differs by from that at the end.
+    /// In two places of the line, what its ray at the start of the exposure differs by from that at the end.
     sweeps: [Normals<S>; 2],
     /// Mean variance of the blurred edge.
     measured_px2: S,
@@ -112,8 +109,7 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let sigma_px = if mean_px.is_some() { width_sigma_px.min(most_px) } else { S::ZERO };
         let half = blur.exposure_s * S::ratio(1, 2);
         let place = S::ratio(PLACE.0, PLACE.1);
-        let places = [place, S::ONE - place].map(|part| line.point_between(part));
-        let [first, second] = places.each_ref().map(|place| observer.sweep(place, half));
+        let [first, second] = [place, S::ONE - place].map(|part| observer.sweep(&line.point_between(part), half));
         // A variance is a square: its logarithm has twice the relative error of the width.
         let twice = |relative_sigma: S| relative_sigma + relative_sigma;
         let sigma_blur = setup.sigma_blur();
@@ -126,7 +122,6 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let sigma_sharpened_px2 = S::from_ratio(i64::from(overshoot) * i64::from(SHARPENED_PX), 1 << 16);
         let sigma_lens_px2 = (blur.lens_blur_px + blur.lens_blur_px) * blur.sigma_lens_blur_px;
         Some(Self {
-            places,
             sweeps: [first?, second?],
             measured_px2: match mean_px {
                 Some(mean_px) => line.mean_square_width_px2(mean_px, width_sigma_px),
@@ -177,12 +172,6 @@ impl<'a, S: Scalar> BlurMeasurement<'a, S> {
         let [first, second] = self.sweeps.each_ref().map(|sweep| unknowns.residual(sweep));
         let per_inverse_depth = [first.px_per_inverse_depth()?, second.px_per_inverse_depth()?];
         Some(Path::along([first.px()?, second.px()?], per_inverse_depth))
-    }
-
-    /// A place at the start of its exposure and at the end, as if it were seen there to a pixel.
-    fn ends_of(&self, place: &Sample<S>) -> [Sample<S>; 2] {
-        let half_s = self.stated.exposure_s.half();
-        [-half_s, half_s].map(|later_s| Sample { time_s: place.time_s + later_s, sigma_px: S::ONE, ..*place })
     }
 
     /// Whether the measured blur is that of the path which the slope implies. The path is known no better than the
@@ -256,16 +245,18 @@ impl<S: Scalar> Blur<S> for BlurMeasurement<'_, S> {
         Some((Equation { q, y, ..Equation::NOTHING }, (lens_px + lens_px) * per_px2 * per_sigma))
     }
 
-    fn paths(&self, unknowns: &Unknowns<S>) -> Option<[PathInPlace<S>; 2]> {
+    fn path_errors(&self, unknowns: &Unknowns<S>) -> Option<PathErrors<S>> {
         let per_px2 = self.per_px2(&self.path(unknowns)?);
         let per_sigma = over(self.joint(self.sigma_ln, per_px2));
-        let in_place = |place, sweep| {
-            let px = unknowns.residual(sweep).px()?;
-            // The variance has a twelfth of the mean of two squares.
-            Some(PathInPlace { ends: self.ends_of(place), px, y_per_px: -(px * per_px2 * per_sigma * S::ratio(1, 12)) })
-        };
-        let ([first, second], [of_first, of_second]) = (&self.places, &self.sweeps);
-        Some([in_place(first, of_first)?, in_place(second, of_second)?])
+        let [first, second] = self.sweeps.each_ref().map(|sweep| unknowns.residual(sweep).px());
+        let (first, second) = (first?, second?);
+        // The variance has a twelfth of the mean of two squares.
+        let per_px2 = per_px2 * per_sigma * S::ratio(1, 12);
+        Some(PathErrors {
+            exposure_s: self.stated.exposure_s,
+            y_per_px: -((first + second) * per_px2),
+            y_of_length: -((first * first).plus_product(second, second) * per_px2),
+        })
     }
 
     fn compare(&self, found: &Unknowns<S>, sigma_per_m: S, entered: bool) -> (bool, Option<LensBlurMeasurement<S>>) {
@@ -310,14 +301,14 @@ impl<S: Scalar> Path<S> {
     }
 }
 
-/// The path along the row in one place of the line.
-pub(super) struct PathInPlace<S> {
-    /// That place at the start of the exposure and at its end: the path is how much further the line is off there at the
-    /// start than at the end.
-    pub(super) ends: [Sample<S>; 2],
-    pub(super) px: S,
-    /// What a pixel of it adds to the y of the equation.
+/// What errors of the path along the row, which is how much further the line is off at the start of an exposure than at its
+/// end, add to the y of an equation.
+pub(super) struct PathErrors<S> {
+    pub(super) exposure_s: S,
+    /// A pixel more.
     pub(super) y_per_px: S,
+    /// As much more as it is long.
+    pub(super) y_of_length: S,
 }
 
 /// A change of the inverse depth to where positions and one direction of the path agree best, and the squares of what

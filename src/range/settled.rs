@@ -1,11 +1,9 @@
 //! [`Settled`]: what shared errors do to a fit that has settled. docs/model.md, section 6.
 
-use super::blur::Blur;
-use super::equation::{Equation, Equations};
+use super::equation::Equations;
 use super::least_squares::Solution;
-use super::observation::{Observation, Observer};
+use super::observation::Observation;
 use super::prior::Knowledge;
-use super::sample::Sample;
 use super::sensitivity::Sensitivity;
 use super::shared_error::{SHARED_ERRORS, SharedError};
 use super::unknowns::Unknowns;
@@ -36,6 +34,7 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
         *effects = [[S::ZERO; 3]; SHARED_ERRORS];
         self.respond_of_observations(effects);
         self.respond_of_priors(effects);
+        self.respond_of_path(effects);
         self.solution.respond_all(effects);
     }
 
@@ -76,17 +75,15 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
                 }
             }
         });
-        if let (Some(equation), Some(blur)) = (equations_of_prior.next(), prior.blur()) {
-            let [_, of_lens, _, of_each @ ..] = effects;
-            solution.respond(of_lens, equation, -equations.per_lens_px);
-            let [_, _, _, counts @ ..] = self.counts();
-            if counts != [false; OF_EACH] {
-                self.respond_of_blur(of_each, blur, equation);
-            }
+        if let ([_, of_lens, ..], Some(blur)) = (effects, equations_of_prior.next())
+            && prior.blur().is_some()
+        {
+            solution.respond(of_lens, blur, -equations.per_lens_px);
         }
     }
 
     /// Whether each error has a sigma and moves observations: what is in the prior moves none.
+    #[inline(never)] // what it needs is not on the stack of those who ask
     fn counts(&self) -> [bool; SHARED_ERRORS] {
         let Self { setup, motion, at, .. } = self;
         let has_sigma = |error: SharedError| error.sigma(setup, at.bearing, motion.gravity()) > S::ZERO;
@@ -94,30 +91,32 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
         SharedError::ALL.map(counts)
     }
 
-    /// An error adds to a path what it does at the end of the exposure less what it does at its start; and a relative
-    /// one of the focal length, besides, that part of it, since so many pixels are another angle. That of the speed is
-    /// in q, and the readout has no part in it.
+    /// An error adds to the path of the blur what it does in the time of an exposure, where the line is seen in its middle; and
+    /// a relative one of the focal length, besides, takes that part of it, since so many pixels are another angle. That
+    /// of the speed is in q, and the readout has no part in it. What the camera turns and moves by within the frame changes
+    /// this by a few per cent, and is left out.
     #[inline(never)]
-    fn respond_of_blur(&self, of_each: &mut [[S; 3]; OF_EACH], blur: &dyn Blur<S>, equation: &Equation<S>) {
-        let axes = self.prior.axes(self.motion);
-        let mut observer = Observer::new(self.setup.camera(), self.motion, [axes.gravity, axes.lean]);
-        let mut errors = |end: &Sample<S>| {
-            let observation = observer.observe(end)?;
-            Some(self.errors(&observation, &self.motion.pose(end.time_s)))
-        };
-        let [of_x, of_y, of_z, _, of_focal] = of_each;
-        for path in blur.paths(self.at).iter().flatten() {
-            let [start, end] = &path.ends;
-            let (Some([x, y, z, _, focal]), Some(at_end)) = (errors(start), errors(end)) else { continue };
-            let [end_x, end_y, end_z, _, end_focal] = at_end;
-            let respond = |response: &mut [S; 3], off_px: S| {
-                self.solution.respond(response, equation, off_px * path.y_per_px);
-            };
-            respond(of_x, end_x - x);
-            respond(of_y, end_y - y);
-            respond(of_z, end_z - z);
-            respond(of_focal, end_focal - focal - path.px);
-        }
+    fn respond_of_path(&self, [_, _, _, of_each @ ..]: &mut [[S; 3]; SHARED_ERRORS]) {
+        let Self { motion, at, solution, .. } = self;
+        let [_, _, _, counts @ ..] = self.counts();
+        let path = self.prior.blur().filter(|_| counts != [false; OF_EACH]).and_then(|blur| blur.path_errors(at));
+        let (Some(path), Some(equation)) = (path, self.equations.prior.last()) else { return };
+        let Some(observation) = self.observations.get(self.observations.len() / 2) else { return };
+        let [velocity_m_s, rate_rad_s] = motion.constant_rates().unwrap_or_else(|| {
+            let Pose { velocity_m_s, rate_rad_s, .. } = motion.pose(S::ZERO);
+            [velocity_m_s, rate_rad_s]
+        });
+        let ([u, w], none) = (observation.bearings(), S::ZERO);
+        let per_miss = -(path.exposure_s * path.y_per_px / at.residual(&observation.normals).whole_per_px());
+        let h = cross(self.direction, [at.bearing, none, S::ONE]);
+        let of_advance = -(at.inverse_depth * dot([u, w, none], cross(self.direction, velocity_m_s)));
+        let of_focal = of_advance + dot(cross(rate_rad_s, [u, w, none]), h);
+        let [y_of_x, y_of_y, y_of_z] = scale(cross([u, w, S::ONE], h), per_miss);
+        let [of_x, of_y, of_z, _, of_f] = of_each;
+        solution.respond(of_x, equation, y_of_x);
+        solution.respond(of_y, equation, y_of_y);
+        solution.respond(of_z, equation, y_of_z);
+        solution.respond(of_f, equation, of_focal * per_miss - path.y_of_length);
     }
 
     /// What a unit of rotation rate about each axis, of readout time and of focal length adds to the y of an

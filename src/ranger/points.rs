@@ -60,14 +60,12 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     /// *Errors*: [`EdgeError::RowOrder`] for a row that was read before the last one, [`EdgeError::FrameOfPixels`] and
     /// [`EdgeError::Torn`] as for a point, and [`EdgeError::Jump`], which tears the frame.
     pub fn end_row<S: Scalar>(&mut self, setup: &Setup<S>, row: u16) -> Result<(), EdgeError> {
-        match self.last_row()? {
-            Some(last) if last.row == row && !last.complete => {}
-            last => {
-                check_row_order(setup, last.map(|last| last.row), row)?;
-                self.complete_row(setup)?;
-                let clock = last.and_then(|last| last.clock);
-                self.frame = Frame::OfPoints(LastRow { row, complete: false, clock });
-            }
+        let last = self.last_row()?;
+        if !last.is_some_and(|last| last.row == row && !last.complete) {
+            check_row_order(setup, last.map(|last| last.row), row)?;
+            let clock = last.and_then(|last| last.clock);
+            self.complete_row(setup)?;
+            self.frame = Frame::OfPoints(LastRow { row, complete: false, clock });
         }
         self.complete_row(setup)
     }
@@ -121,8 +119,8 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
     }
 
     /// The last row of a frame of edge points, if one has come.
-    fn last_row(&self) -> Result<Option<LastRow>, EdgeError> {
-        match self.frame {
+    fn last_row(&self) -> Result<Option<&LastRow>, EdgeError> {
+        match &self.frame {
             Frame::Started => Ok(None),
             Frame::OfPoints(last) => Ok(Some(last)),
             Frame::OfPixels { .. } => Err(EdgeError::FrameOfPixels),

@@ -110,6 +110,7 @@ impl<S: Scalar> Uncertainty<S> {
 
     /// Sigma of the tilt of an edge at a bearing: its own lean, the camera's roll, and what the camera's pitch makes of
     /// the bearing.
+    #[inline(never)] // several places ask for it
     pub(crate) fn sigma_tilt_at(&self, bearing: S, gravity: [S; 3]) -> S {
         if self.sigma_gravity == S::ZERO {
             return self.sigma_tilt;
