@@ -76,16 +76,23 @@ impl RowClock {
         Self { first_deviation_ns, first_ns, regular_ns: NONE_NS, latest_ns: i64::MIN, allowance, is_irregular: false }
     }
 
-    /// Takes a further stamp of a row that has begun and returns the row's time.
+    /// Takes a further stamp of a row that has begun where that is its time.
+    #[inline(always)]
+    pub(crate) fn takes(&mut self, stamp_ns: i64) -> bool {
+        let [from_ns, to_ns] = self.regular_ns;
+        let is_time = (from_ns..=to_ns).contains(&stamp_ns);
+        if is_time {
+            self.latest_ns = self.latest_ns.max(stamp_ns);
+        }
+        is_time
+    }
+
+    /// Takes another further stamp of such a row and returns the row's time.
     ///
     /// *Errors*: as [`Self::begin_row`].
     pub(crate) fn time_ns<S: Scalar>(&mut self, setup: &Setup<S>, row: u16, stamp_ns: i64) -> Result<i64, EdgeError> {
-        let [from_ns, to_ns] = self.regular_ns;
-        let time_ns = if (from_ns..=to_ns).contains(&stamp_ns) {
-            stamp_ns
-        } else {
-            self.time_after(setup, row, stamp_ns, from_ns)?
-        };
+        let [from_ns, _] = self.regular_ns;
+        let time_ns = self.time_after(setup, row, stamp_ns, from_ns)?;
         self.latest_ns = self.latest_ns.max(stamp_ns);
         Ok(time_ns)
     }

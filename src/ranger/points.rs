@@ -29,13 +29,17 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
                         Err(at) => Some(at).filter(|at| *at < self.points.len()),
                     },
                 };
-                let was_irregular = clock.is_irregular;
-                let time_ns = clock.time_ns(setup, row, point.time_ns)?;
-                if clock.is_irregular && !was_irregular {
-                    self.points.iter_mut().for_each(|point| point.time_ns = time_ns);
-                    self.tracker.retime(setup.readout());
+                if clock.takes(point.time_ns) {
+                    (at, point.time_ns)
+                } else {
+                    let was_irregular = clock.is_irregular;
+                    let time_ns = clock.time_ns(setup, row, point.time_ns)?;
+                    if clock.is_irregular && !was_irregular {
+                        self.points.iter_mut().for_each(|point| point.time_ns = time_ns);
+                        self.tracker.retime(setup.readout());
+                    }
+                    (at, time_ns)
                 }
-                (at, time_ns)
             }
             _ => (None, self.begin_row(setup, &point)?),
         };
