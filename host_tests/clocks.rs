@@ -116,7 +116,7 @@ fn ignored_stamps_may_be_anything() {
 fn stamps_that_run_backwards() {
     let scene = Scene { depth_m: 3.0, ..Scene::vga() };
     let checked = setup(&scene);
-    let trusted = checked.clone().with_stamp_policy(StampPolicy::Trusted);
+    let trusted = checked.with_stamp_policy(StampPolicy::Trusted);
     let point = |row: u16, column: i32, time_ns: i64| EdgePoint::new(row, column << 16, time_ns);
     for before_in_row in [None, Some(110_000)] {
         let mut rangers: [Ranger<4, 8, 4>; 2] = [Ranger::new(), Ranger::new()];
