@@ -146,7 +146,8 @@ pub(super) const MOST_SETTLING_STEPS: usize = 6;
 /// (`frames::bars_are_found_through_long_motion_blur`).
 pub(super) const MOST_CORRECTIONS: usize = 3;
 
-/// Least contrast of an edge, in 1/256 grey level, below the scanner's six levels (`frames::faint_bars_without_noise_are_not_bent`).
+/// Least contrast of an edge, in 1/256 grey level, below the scanner's six levels
+/// (`frames::faint_bars_without_noise_are_not_bent`).
 pub(super) const LEAST_CONTRAST_Q8: i32 = 4 << 8;
 
 /// How far a neighbour may bias the scanner's column of an edge, in 1/65536 px

@@ -1,6 +1,6 @@
 //! [`Settled`]: what shared errors do to a fit that has settled. docs/model.md, section 6.
 
-use super::equation::Equations;
+use super::equation::{Equation, Equations};
 use super::least_squares::Solution;
 use super::observation::Observation;
 use super::prior::Knowledge;
@@ -33,8 +33,9 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
     pub(super) fn sensitivity(&self, Sensitivity(effects): &mut Sensitivity<S>) {
         *effects = [[S::ZERO; 3]; SHARED_ERRORS];
         self.respond_of_observations(effects);
-        self.respond_of_priors(effects);
-        self.respond_of_path(effects);
+        if let Some(blur) = self.respond_of_priors(effects) {
+            self.respond_of_path(effects, blur);
+        }
         self.solution.respond_all(effects);
     }
 
@@ -57,8 +58,9 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
         }
     }
 
+    /// The equation of the blur, if it takes part.
     #[inline(never)]
-    fn respond_of_priors(&self, effects: &mut [[S; 3]; SHARED_ERRORS]) {
+    fn respond_of_priors(&self, effects: &mut [[S; 3]; SHARED_ERRORS]) -> Option<&Equation<S>> {
         let Self { setup, prior, equations, at, solution, .. } = self;
         let speed_counts = setup.uncertainty().sigma_speed > S::ZERO;
         let mut equations_of_prior = equations.prior.iter();
@@ -75,11 +77,10 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
                 }
             }
         });
-        if let ([_, of_lens, ..], Some(blur)) = (effects, equations_of_prior.next())
-            && prior.blur().is_some()
-        {
-            solution.respond(of_lens, blur, -equations.per_lens_px);
-        }
+        let blur = equations_of_prior.next().filter(|_| prior.blur().is_some())?;
+        let [_, of_lens, ..] = effects;
+        solution.respond(of_lens, blur, -equations.per_lens_px);
+        Some(blur)
     }
 
     /// Whether each error has a sigma and moves observations: what is in the prior moves none.
@@ -91,17 +92,18 @@ impl<S: Scalar, M: Motion<S>, K: Knowledge<S>, const N: usize> Settled<'_, S, M,
         SharedError::ALL.map(counts)
     }
 
-    /// An error adds to the path of the blur what it does in the time of an exposure, where the line is seen in its middle; and
-    /// a relative one of the focal length, besides, takes that part of it, since so many pixels are another angle. That
-    /// of the speed is in q, and the readout has no part in it. What the camera turns and moves by within the frame changes
-    /// this by a few per cent, and is left out.
+    /// An error adds to the path of the blur what it does in the time of an exposure, where the line is seen in its middle;
+    /// and a relative one of the focal length, besides, takes that part of it, since so many pixels are another angle.
+    /// That of the speed is in q, and the readout has no part in it. By how much the camera turns and moves before that
+    /// place is read changes little of this, and is left out.
     #[inline(never)]
-    fn respond_of_path(&self, [_, _, _, of_each @ ..]: &mut [[S; 3]; SHARED_ERRORS]) {
+    fn respond_of_path(&self, [_, _, _, of_each @ ..]: &mut [[S; 3]; SHARED_ERRORS], equation: &Equation<S>) {
         let Self { motion, at, solution, .. } = self;
         let [_, _, _, counts @ ..] = self.counts();
         let path = self.prior.blur().filter(|_| counts != [false; OF_EACH]).and_then(|blur| blur.path_errors(at));
-        let (Some(path), Some(equation)) = (path, self.equations.prior.last()) else { return };
-        let Some(observation) = self.observations.get(self.observations.len() / 2) else { return };
+        let (Some(path), Some(observation)) = (path, self.observations.get(self.observations.len() / 2)) else {
+            return;
+        };
         let [velocity_m_s, rate_rad_s] = motion.constant_rates().unwrap_or_else(|| {
             let Pose { velocity_m_s, rate_rad_s, .. } = motion.pose(S::ZERO);
             [velocity_m_s, rate_rad_s]

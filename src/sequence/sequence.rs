@@ -150,8 +150,8 @@ impl<S: Scalar, const LANDMARKS: usize> Sequence<S, LANDMARKS> {
     }
 
     /// Propagates to the next frame's start: the `pose` of the camera there in the axes of this frame's start, the time
-    /// in between, and gravity in the camera's axes there, of a length as [`Twist::new`](crate::Twist::new) takes it. What is then beside or behind the camera is
-    /// forgotten. Call it between any two frames, also after a torn one.
+    /// in between, and gravity in the camera's axes there, of a length as [`Twist::new`](crate::Twist::new) takes it.
+    /// What is then beside or behind the camera is forgotten. Call it between any two frames, also after a torn one.
     ///
     /// *Errors*: a time that is not finite or beyond 10⁶ s, a pose that is not finite or beyond 10⁶ m, 10 000 m/s or
     /// 1000 rad/s, or a gravity without direction; nothing has changed then.

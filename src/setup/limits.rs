@@ -11,8 +11,8 @@ pub struct Limits {
     /// Steepest slope of a line when it is confirmed, in 1/65536 px of column per row, at most 1024 px.
     pub max_slope_q16: u32,
     /// Half-width of the gate: how far a point may lie from the predicted column, beyond four sigma of its noise, in
-    /// 1/65536 px, at most 1024 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows of pixels the
-    /// gate is also at most four sigma of the scatter of the line's own points.
+    /// 1/65536 px, at most 1024 px. It holds for a new line and narrows to an eighth by the line's 64th point. In rows
+    /// of pixels the gate is also at most four sigma of the scatter of the line's own points.
     pub gate_q16: u32,
     /// Points after which a tentative line is confirmed: at least 2.
     pub confirm_points: u16,
