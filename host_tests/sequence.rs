@@ -321,8 +321,9 @@ fn a_full_table_refuses_and_counts() {
 
 /// Hours of driving past posts that come and go: bounded memory, and every line of every frame is accounted for.
 #[test]
-fn a_drive_of_100_000_frames_loses_no_line() {
-    const FRAMES: u32 = 100_000;
+fn a_long_drive_loses_no_line() {
+    // 15 km, and fewer where they take longer.
+    const FRAMES: u32 = if cfg!(debug_assertions) { 20_000 } else { 100_000 };
     let random = &mut seed(11);
     let journey = Journey { row_step: 40, interval_s: 0.1, ..Journey::vga() };
     let setup = journey.setup::<f32>(tilt_of(TENTH_DEGREE));
@@ -369,8 +370,9 @@ fn a_drive_of_100_000_frames_loses_no_line() {
         sequence.advance(&setup, &pose, interval_s, [0.0, 1.0, 0.0]).expect("sound gravity");
     }
     println!("{told} ranges, {ok} ok, {ids} posts, mean square {:.2}", squares / ok as f64);
-    // One name for each post that came by: one every metre of 15 km, of which less than 1 % are named twice or never.
-    assert!((14_900..15_100).contains(&ids), "{ids}");
+    // One name for each post that came by: one every metre, of which less than 1 % are named twice or never.
+    let metres = FRAMES / 100 * 15;
+    assert!(ids.abs_diff(metres) * 150 < metres, "{ids}");
     assert_eq!(
         (sequence.dropped_lines(), ranger.counters().dropped_lines, ranger.counters().dropped_points),
         (0, 0, 0)
