@@ -154,6 +154,27 @@ fn noise_is_no_edge() {
     }
 }
 
+/// However narrow the rows are, and wherever it is.
+#[test]
+fn the_first_row_shows_a_single_edge() {
+    for columns in [32_usize, 40, 64, 90, 96, 120, 128, 160, 320] {
+        for (edge, contrast) in (10..columns - 10).flat_map(|edge| [40, 110].map(|contrast| (edge, contrast))) {
+            // A blurred step and noise of some levels.
+            let level = |column: usize| match column.cmp(&edge) {
+                std::cmp::Ordering::Less => 60,
+                std::cmp::Ordering::Equal => 60 + contrast / 3,
+                std::cmp::Ordering::Greater => 60 + contrast,
+            };
+            let row: Vec<u8> =
+                (0..columns).map(|column| level(column) + (column * column * 7 % 11 % 5) as u8).collect();
+            let mut columns_px = Vec::new();
+            Scanner::new().scan(&row[..], |point: ScannedPoint| columns_px.push(point.column_q16 as f64 / 65536.0));
+            let is_it = |column_px: &f64| (column_px - edge as f64).abs() < 1.0;
+            assert!(matches!(&columns_px[..], [one] if is_it(one)), "{columns} columns, {edge}: {columns_px:?}");
+        }
+    }
+}
+
 #[test]
 fn the_threshold_follows_the_noise() {
     for (before, after) in [(1.0, 5.0), (1.0, 12.0), (2.5, 25.0)] {

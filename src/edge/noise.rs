@@ -5,7 +5,7 @@
 //! hardly disturb.
 
 use super::pixel_row::{difference, grey};
-use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, MEMORY_LOOKS, SETTLED_LOOKS, TEXTURE_LAG};
+use super::tuning::{DOWN_COLUMNS, DOWN_ROWS, FEW_STRETCHES, MEMORY_LOOKS, SETTLED_LOOKS, TEXTURE_LAG};
 use crate::format::{MosaicRow, Pixels};
 
 /// Pixels of a sum: half the width of the scanner's sliding difference.
@@ -58,7 +58,7 @@ impl Across {
                 for from in
                     (first * STRETCH..).step_by(every * STRETCH).take_while(|at| at + STRETCH <= pixels.columns())
                 {
-                    self.take(middle(pixels, from), is_mosaic);
+                    self.take(beside(pixels, from + STRETCH / 2), is_mosaic);
                 }
             }
         }
@@ -90,8 +90,11 @@ impl Across {
     /// Sets the scale.
     #[inline(never)]
     fn begin(&mut self, pixels: &impl Pixels) {
-        let starts = (0..pixels.columns() / STRETCH).map(|stretch| stretch * STRETCH);
-        let middles = || starts.clone().map(|from| middle(pixels, from));
+        let columns = pixels.columns();
+        // In few stretches one edge would be what is usual.
+        let every = if columns < FEW_STRETCHES * STRETCH { 2 * WINDOW } else { STRETCH };
+        let starts = (every / 2..).step_by(every).take_while(|middle| middle + every / 2 <= columns);
+        let middles = || starts.clone().map(|middle| beside(pixels, middle));
         let is_mosaic = pixels.mosaic_row().is_some();
         self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
         self.difference_q8 = usual_size(|| middles().map(sliding_difference));
@@ -271,9 +274,9 @@ fn mean_up_to(limit: u32, values: impl Iterator<Item = u32>) -> u32 {
     (sum << 8_u32).checked_div(count).unwrap_or(0)
 }
 
-/// The pixels around the middle of a stretch, which the row has.
-fn middle(pixels: &impl Pixels, from: usize) -> [u8; 2 * WINDOW] {
-    let (mut buffer, middle) = ([0; 2 * WINDOW], from + STRETCH / 2);
+/// The pixels on both sides of a boundary, which the row has.
+fn beside(pixels: &impl Pixels, middle: usize) -> [u8; 2 * WINDOW] {
+    let mut buffer = [0; 2 * WINDOW];
     grey(pixels, middle - WINDOW..middle + WINDOW, &mut buffer).first_chunk().copied().unwrap_or_default()
 }
 

@@ -5,6 +5,10 @@ use core::ops::Range;
 /// Least noise: that of rounding to whole grey levels, in 1/256 (`scanning::noise_is_estimated`).
 pub(super) const LEAST_NOISE_Q8: u32 = 74;
 
+/// A row of fewer stretches is looked at four times as often in its first row, so that an edge in one of them is not
+/// what is usual (`scanning::the_first_row_shows_a_single_edge`).
+pub(super) const FEW_STRETCHES: usize = 3;
+
 /// Columns of a row in which it is compared with those before (`scanning::fences_are_edges`).
 pub(super) const DOWN_COLUMNS: usize = 8;
 
