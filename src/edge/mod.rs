@@ -23,6 +23,7 @@ mod norms;
 mod products;
 mod level_norms;
 mod template;
+mod phase;
 mod moments;
 mod window;
 mod whole_window;

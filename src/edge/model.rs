@@ -183,6 +183,12 @@ impl EdgeModel {
         (ONE_STEP_SIGMAS * sigma_q16.min(most_q16)).max(least_q16).min(most_q16)
     }
 
+    /// Noise moves what is found, with this sigma, by no more: by four sigma, and a quarter of the blur.
+    #[inline(always)]
+    pub(super) fn most_moved_q16(&self, sigma_q16: u32) -> u32 {
+        (4 * sigma_q16).saturating_add(u32::from(self.blur_q12) << 2)
+    }
+
     /// What is farther away has no part in its window.
     pub(crate) fn far_q16(&self) -> u32 {
         (self.template().far_q8() as u32) << 8

@@ -54,8 +54,7 @@ impl Moments {
         let [left_q6, right_q6] = levels_q8.map(|level_q8| level_q8 >> 2);
         let (contrast_q6, mut moments) = (right_q6 - left_q6, Self::default());
         for (pixel, weight) in pixels.iter().zip(weights) {
-            let expected_q6 = left_q6 + ((contrast_q6 * i32::from(weight.step)) >> 15);
-            moments.add((i32::from(*pixel) << 6) - expected_q6, weight);
+            moments.add((i32::from(*pixel) << 6) - weight.expected_q6(left_q6, contrast_q6), weight);
         }
         moments
     }

@@ -6,8 +6,9 @@ use super::level_norms::{FreeLevels, LevelNorms, LevelSums};
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
 use super::norms::{LEAST_SLOPE_SLOPE, Squares, of_levels_q12, per_freedom_q16, reciprocal, sigma_q8, sigma_q16};
+use super::phase::Phase;
 use super::pixel_row::{Stretch, mean_q8};
-use super::template::{Phase, Sampled, Template};
+use super::template::{Sampled, Template};
 use super::weight::Weight;
 use super::window::Parts;
 
@@ -76,10 +77,10 @@ impl Flank {
     #[inline(always)]
     fn residuals(&self, pixels: &[u8], [left_q8, right_q8]: [i32; 2]) -> impl Iterator<Item = (i32, &'static Weight)> {
         let (left_q6, contrast_q6) = (left_q8 >> 2, (right_q8 >> 2) - (left_q8 >> 2));
-        pixels.iter().zip(self.weights).map(move |(pixel, weight)| {
-            let expected_q6 = left_q6 + ((contrast_q6 * i32::from(weight.step)) >> 15);
-            ((i32::from(*pixel) << 6) - expected_q6, weight)
-        })
+        pixels
+            .iter()
+            .zip(self.weights)
+            .map(move |(pixel, weight)| ((i32::from(*pixel) << 6) - weight.expected_q6(left_q6, contrast_q6), weight))
     }
 
     /// What it says of the levels.

@@ -94,7 +94,7 @@ impl EdgeModel {
             return None;
         }
         let fit = self.approach(row, expected_q16, bounds_q8)?;
-        let noise_q16 = (4 * fit.sigma_q16).saturating_add(u32::from(self.blur_q12) << 2);
+        let noise_q16 = self.most_moved_q16(fit.sigma_q16);
         let is_within = fit.column_q16.abs_diff(expected_q16) <= gate_q16.min(noise_q16.max(drawn_q16));
         if !is_within || fit.residual_q16 > self.most_residual_q16() {
             return None;

@@ -5,14 +5,11 @@
 //! so that neither phases nor classes need to be fine.
 
 use super::factor::{Factor, shifted};
-use super::feet::Feet;
-use super::level_norms::LevelNorms;
-use super::norms::{Norms, Squares};
+use super::norms::Norms;
+use super::phase::Phase;
 use super::pixel_count::{mean_q8, per_pixels_q20};
-use super::products::Expected;
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
-use super::weight::Weight;
 
 /// The templates of one blur.
 #[derive(Clone, Copy)]
@@ -36,10 +33,10 @@ pub(super) struct Template {
     phases_log2: u8,
     step_log2: u8,
     /// Pixels of each phase.
-    pixels: u8,
-    /// Where its weights begin, and the norms of its phases.
-    first: u16,
-    first_phase: u8,
+    pub(super) pixels: u8,
+    /// Where its weights begin, and its phases.
+    pub(super) first: u16,
+    pub(super) first_phase: u8,
 }
 
 /// A template at a phase: where its first pixel lies and where its step, in 1/256 px.
@@ -47,40 +44,6 @@ pub(super) struct Sampled {
     pub(super) first: i32,
     pub(super) centre_q8: i32,
     pub(super) phase: &'static Phase,
-}
-
-/// What the pixels of a flank should show where the step lies at one phase of the pixel.
-pub(super) struct Phase {
-    pub(super) weights: &'static [Weight],
-    pub(super) norms: Norms,
-    pub(super) feet: Feet,
-    /// How far it is from the middle of the pixel, in 1/256 px.
-    off_q8: i16,
-    /// Its place among the phases of all classes.
-    place: u8,
-}
-
-/// What of a phase only the quick ways of grey bytes ask for: a table of its own, which programs without these leave
-/// out.
-pub(super) struct QuickPhase {
-    pub(super) expected: Expected,
-    /// [`Template::per_width`].
-    pub(super) per_width: Factor,
-    /// Sum of the slope.
-    pub(super) slope: u16,
-}
-
-impl Phase {
-    #[inline(always)]
-    pub(super) fn quick(&self) -> &'static QuickPhase {
-        QUICK_PHASES.get(usize::from(self.place)).unwrap_or(&NO_QUICK_PHASE)
-    }
-
-    /// What its flank says of the levels, where that is in the table.
-    #[inline(always)]
-    pub(super) fn level_norms(&self) -> Option<&'static LevelNorms> {
-        LEVEL_NORMS.get(usize::from(self.place))
-    }
 }
 
 impl Template {
@@ -95,7 +58,7 @@ impl Template {
     pub(super) fn at(&self, column_q8: i32) -> Sampled {
         let shifted_q8 = column_q8 + i32::from(self.rounding_q8);
         let (pixel, part) = (shifted_q8 >> 8, (shifted_q8 & 0xFF) as usize >> (self.step_log2 & 31));
-        let phase = PHASES.get(usize::from(self.first_phase) + part).unwrap_or(&NO_PHASE);
+        let phase = Phase::at(usize::from(self.first_phase) + part);
         Sampled { first: pixel - i32::from(self.pixels / 2), centre_q8: (pixel << 8) + i32::from(phase.off_q8), phase }
     }
 
@@ -164,7 +127,7 @@ const fn wider(width_q8: u16) -> u16 {
     (width_q8 as u32 * numerator as u32 / denominator as u32) as u16
 }
 
-const CLASSES: usize = {
+pub(super) const CLASSES: usize = {
     let (mut classes, mut width_q8) = (1, LEAST_BLUR_Q8);
     while width_q8 < MOST_BLUR_Q8 {
         width_q8 = wider(width_q8);
@@ -183,7 +146,7 @@ const fn phases_log2(width_q8: u16) -> u8 {
     }
 }
 
-const TEMPLATES: [Template; CLASSES] = {
+pub(super) const TEMPLATES: [Template; CLASSES] = {
     let mut templates = [Template::EMPTY; CLASSES];
     let (mut class, mut width_q8, mut first, mut first_phase) = (0, LEAST_BLUR_Q8, 0, 0);
     while class < CLASSES {
@@ -196,119 +159,17 @@ const TEMPLATES: [Template; CLASSES] = {
             templates[class].blurs_q12[0] = between_q12;
         }
         first += templates[class].weights();
-        first_phase += 1 << templates[class].phases_log2;
+        first_phase += templates[class].phases();
         width_q8 = wider(width_q8);
         class += 1;
     }
     templates
 };
 
-const WIDEST: Template = TEMPLATES[CLASSES - 1];
-
-static WEIGHTS: [Weight; WEIGHT_COUNT] = ALL_WEIGHTS;
-
-const WEIGHT_COUNT: usize = (WIDEST.first + WIDEST.weights()) as usize;
-
-const NO_PHASE: Phase = Phase { weights: &[], norms: Norms::NONE, feet: Feet::NONE, off_q8: 0, place: 0 };
-const NO_QUICK_PHASE: QuickPhase = QuickPhase { expected: Expected::NONE, per_width: Factor::ONE, slope: 0 };
-
-static PHASES: [Phase; PHASE_COUNT] = {
-    let mut phases = [const { NO_PHASE }; PHASE_COUNT];
-    let (mut class, mut rest): (usize, &[Weight]) = (0, &WEIGHTS);
-    while class < CLASSES {
-        let template = &TEMPLATES[class];
-        let mut phase = 0;
-        while phase < 1 << template.phases_log2 {
-            let (weights, others) = rest.split_at(template.pixels as usize);
-            let (mut sums, mut pixel) = (Squares::NONE, 0);
-            while pixel < weights.len() {
-                sums = sums.with(&weights[pixel]);
-                pixel += 1;
-            }
-            let norms = sums.norms([template.plateau() as u32; 2]);
-            let feet = Feet::of(weights);
-            let (off_q8, place) = (template.phase_off_q8(phase) as i16, template.first_phase + phase as u8);
-            phases[place as usize] = Phase { weights, norms, feet, off_q8, place };
-            rest = others;
-            phase += 1;
-        }
-        class += 1;
-    }
-    phases
-};
-
-static QUICK_PHASES: [QuickPhase; PHASE_COUNT] = {
-    let mut phases = [const { NO_QUICK_PHASE }; PHASE_COUNT];
-    let mut class = 0;
-    while class < CLASSES {
-        let template = &TEMPLATES[class];
-        let mut place = template.first_phase as usize;
-        while place < template.first_phase as usize + (1 << template.phases_log2) {
-            let Phase { weights, norms, .. } = &PHASES[place];
-            let (expected, per_width) = (Expected::of(weights), template.per_width(norms));
-            phases[place] = QuickPhase { expected, per_width, slope: sum_of_slope(weights) };
-            place += 1;
-        }
-        class += 1;
-    }
-    phases
-};
-
-const fn sum_of_slope(mut weights: &[Weight]) -> u16 {
-    let mut sum = 0;
-    while let [weight, others @ ..] = weights {
-        (sum, weights) = (sum + weight.slope as u16, others);
-    }
-    sum
-}
-
-/// Of the blurs that have eight phases: beside texture others are rare, and would take as much flash again.
-static LEVEL_NORMS: [LevelNorms; LEVEL_NORM_COUNT] = {
-    let mut norms = [const { LevelNorms::of(&[]) }; LEVEL_NORM_COUNT];
-    let mut place = 0;
-    while place < LEVEL_NORM_COUNT {
-        norms[place] = LevelNorms::of(PHASES[place].weights);
-        place += 1;
-    }
-    norms
-};
-
-const LEVEL_NORM_COUNT: usize = {
-    let mut class = 0;
-    while TEMPLATES[class].phases_log2 == 3 {
-        class += 1;
-    }
-    TEMPLATES[class].first_phase as usize
-};
-
-const PHASE_COUNT: usize = WIDEST.first_phase as usize + (1 << WIDEST.phases_log2);
-
-const ALL_WEIGHTS: [Weight; WEIGHT_COUNT] = {
-    let mut weights = [Weight { step: 0, slope: 0, widening: 0 }; WEIGHT_COUNT];
-    let mut class = 0;
-    while class < CLASSES {
-        let template = &TEMPLATES[class];
-        let function = SpreadFunction::new(template.width_q8);
-        let largest = template.largest_widening(&function);
-        let mut phase = 0;
-        while phase < 1 << template.phases_log2 {
-            let share_q15 = template.share_of_shape(&function, phase);
-            let mut pixel = 0;
-            while pixel < template.pixels {
-                let at = template.first as usize + phase * template.pixels as usize + pixel as usize;
-                let place = function.at(template.off_q8(phase, pixel));
-                weights[at] = Weight::new(&place, widening(&place, share_q15), largest);
-                pixel += 1;
-            }
-            phase += 1;
-        }
-        class += 1;
-    }
-    weights
-};
+pub(super) const WIDEST: Template = TEMPLATES[CLASSES - 1];
 
 /// The change with the width, less what another lens at the same width would explain of it.
-const fn widening(place: &Place, share_q15: i64) -> i32 {
+pub(super) const fn widening(place: &Place, share_q15: i64) -> i32 {
     place.widening - ((place.shape as i64 * share_q15) >> 15) as i32
 }
 
@@ -358,21 +219,29 @@ impl Template {
         template
     }
 
-    const fn weights(&self) -> u16 {
+    /// How many phases of the pixel it has.
+    pub(super) const fn phases(&self) -> u8 {
+        1 << self.phases_log2
+    }
+
+    /// Pixels of all of them.
+    pub(super) const fn weights(&self) -> u16 {
         (self.pixels as u16) << self.phases_log2
     }
 
-    const fn off_q8(&self, phase: usize, pixel: u8) -> i32 {
+    /// How far a pixel is from the step at a phase, in 1/256 px.
+    pub(super) const fn off_q8(&self, phase: usize, pixel: u8) -> i32 {
         let from_middle_q8 = (pixel as i32 - self.pixels as i32 / 2) << 8;
         from_middle_q8 - self.phase_off_q8(phase)
     }
 
-    const fn phase_off_q8(&self, phase: usize) -> i32 {
+    /// How far a phase is from the middle of the pixel, in 1/256 px.
+    pub(super) const fn phase_off_q8(&self, phase: usize) -> i32 {
         ((phase as i32 - (1 << self.phases_log2 >> 1)) << 8) >> self.phases_log2
     }
 
     /// How much of the change with the width another lens at the same width would explain.
-    const fn share_of_shape(&self, function: &SpreadFunction, phase: usize) -> i64 {
+    pub(super) const fn share_of_shape(&self, function: &SpreadFunction, phase: usize) -> i64 {
         let (mut shared, mut own, mut pixel) = (0_i64, 0_i64, 0);
         while pixel < self.pixels {
             let place = function.at(self.off_q8(phase, pixel));
@@ -383,9 +252,10 @@ impl Template {
         if own > 0 { (shared << 15) / own } else { 0 }
     }
 
-    const fn largest_widening(&self, function: &SpreadFunction) -> i32 {
+    /// The largest change with the width at any pixel and phase.
+    pub(super) const fn largest_widening(&self, function: &SpreadFunction) -> i32 {
         let (mut largest, mut phase) = (1, 0);
-        while phase < 1 << self.phases_log2 {
+        while phase < self.phases() as usize {
             let share_q15 = self.share_of_shape(function, phase);
             let mut pixel = 0;
             while pixel < self.pixels {
@@ -402,7 +272,8 @@ impl Template {
 
 #[cfg(test)]
 mod tests {
-    use super::{CLASSES, PHASES, Template};
+    use super::super::phase::Phase;
+    use super::{CLASSES, Template};
 
     #[test]
     fn plateaus_are_counted() {
@@ -417,8 +288,8 @@ mod tests {
     #[test]
     fn factors_of_usual_rows_make_products() {
         for (class, template) in (0..CLASSES as u8).map(|class| (class, Template::of(class))) {
-            let phases = PHASES.iter().skip(template.first_phase.into()).take(1 << template.phases_log2);
-            for phase in phases {
+            for place in (template.first_phase..).take(template.phases().into()) {
+                let phase = Phase::at(place.into());
                 for level in 4..=255 {
                     let per_contrast = template.per_contrast(level << 8).expect("a contrast");
                     for factor in [phase.norms.per_slope, phase.quick().per_width] {

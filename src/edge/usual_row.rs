@@ -5,10 +5,10 @@ use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
 use super::near_window::NearWindow;
 use super::norms::{Norms, per_freedom_q16, sigma_q16};
+use super::phase::Phase;
 use super::pixel_row::mean_q8;
 use super::products::Products;
 use super::refine::LocatedPoint;
-use super::template::Phase;
 use super::whole_window::{Sums, WholeWindow};
 use super::window::Neighbours;
 
@@ -75,8 +75,8 @@ impl EdgeModel {
     #[inline(always)]
     fn take_usual(&mut self, step: UsualStep<'_>, expected: Expectation) -> Option<UsualPoint> {
         let UsualStep { flank, phase, column_q16, sigma_q16, width_q12, levels } = step;
-        let noise_q16 = 4 * sigma_q16 + (u32::from(self.blur_q12) << 2);
-        if column_q16.abs_diff(expected.column_q16) > expected.gate_q16.min(noise_q16) {
+        let most_q16 = expected.gate_q16.min(self.most_moved_q16(sigma_q16));
+        if column_q16.abs_diff(expected.column_q16) > most_q16 {
             return None;
         }
         let half_q12 = u32::from(self.blur_q12) / 2;

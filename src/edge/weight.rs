@@ -20,6 +20,12 @@ impl Weight {
         (self.step >> 7) as i32
     }
 
+    /// What the pixel should show between the left level and one so much higher, in 1/64 of a level.
+    #[inline(always)]
+    pub(super) fn expected_q6(&self, left_q6: i32, contrast_q6: i32) -> i32 {
+        left_q6 + ((contrast_q6 * i32::from(self.step)) >> 15)
+    }
+
     pub(super) const fn new(place: &Place, widening: i32, largest: i32) -> Self {
         let slope = (place.slope + 64) >> 7;
         let half = if widening < 0 { -largest / 2 } else { largest / 2 };

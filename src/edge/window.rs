@@ -217,11 +217,9 @@ impl<'p, P: Pixels> Window<'p, P> {
     /// Each pixel of the flank minus what is expected there, in 1/64 of a level.
     fn each(&self, levels_q8: [i32; 2], mut take: impl FnMut(i32, &'static Weight)) {
         let [left_q6, right_q6] = levels_q8.map(|level_q8| level_q8 >> 2);
-        let expected_q6 =
-            |left_q6: i32, right_q6: i32, step: u16| left_q6 + (((right_q6 - left_q6) * i32::from(step)) >> 15);
         if self.row.pixels.mosaic_row().is_none() {
             self.row.each_light_q8(self.flank, self.weights.iter(), |light_q8, weight| {
-                take((light_q8 >> 2) - expected_q6(left_q6, right_q6, weight.step), weight);
+                take((light_q8 >> 2) - weight.expected_q6(left_q6, right_q6 - left_q6), weight);
             });
             return;
         }
@@ -231,7 +229,7 @@ impl<'p, P: Pixels> Window<'p, P> {
         self.row.each_light_q8(self.flank, self.weights.iter(), |light_q8, weight| {
             let (left_q6, right_q6) = (left_q6 + sign * left_colour_q6, right_q6 + sign * right_colour_q6);
             sign = -sign;
-            take((light_q8 >> 2) - expected_q6(left_q6, right_q6, weight.step), weight);
+            take((light_q8 >> 2) - weight.expected_q6(left_q6, right_q6 - left_q6), weight);
         });
     }
 }
