@@ -5,7 +5,7 @@ use super::tuning::{GATE_SIGMAS, OFF_QUARTERS_PX};
 use crate::range::{Covariance, Line3, Observation};
 use crate::scalar::{Scalar, add, hypot, ln, scale, sub};
 
-/// What the mean of the ends, their difference and the middle of a line are off, in pixels.
+/// What the mean of a line's ends, their difference and its middle are off.
 pub(super) struct Comparison<S> {
     /// Square of the distance in sigmas, of mean and difference together.
     pub(super) square: S,
@@ -31,16 +31,20 @@ impl<S: Scalar> Comparison<S> {
             predicted.variance.map(|variance| variance.max(S::ZERO).sqrt());
         let [mixed, _, _] = predicted.mixed;
         let noise = hypot(first.sigma_px(), last.sigma_px());
+        let (mean_sigma, difference_sigma) = (hypot(mean_sigma, noise * half), hypot(difference_sigma, noise));
         // A bend or a background is no noise: it adds up with the sigma, not with its square.
         let off = S::ratio(OFF_QUARTERS_PX, 4);
-        let (mean_all, difference_all) = (hypot(mean_sigma, noise * half) + off, hypot(difference_sigma, noise) + off);
-        let mean = (first_px + last_px) * half / mean_all;
-        let difference = (last_px - first_px) / difference_all;
-        let r = mixed / mean_all / difference_all;
-        let spare = ((S::ONE - r) * (S::ONE + r)).max(S::EPSILON * S::from_i32(8));
-        let square = (mean * mean + difference * difference - (r + r) * mean * difference) / spare;
-        let area = mean_all * difference_all * spare.sqrt();
-        let cost = square + ln(area) * S::from_i32(2);
+        let (mean_px, difference_px) = ((first_px + last_px) * half, last_px - first_px);
+        let difference = difference_px / (difference_sigma + off);
+        // The mean is compared given the difference: of an edge that is hardly known, how it runs tells where it lies.
+        let telling_px = hypot(difference_sigma, off);
+        let of_difference = mixed / telling_px;
+        let given_px = mean_px - of_difference * (difference_px / telling_px);
+        let rest = (mean_sigma - of_difference) * (mean_sigma + of_difference);
+        let given_sigma = rest.max(S::ZERO).sqrt() + off;
+        let mean = given_px / given_sigma;
+        let square = mean * mean + difference * difference;
+        let cost = square + ln(given_sigma * (difference_sigma + off)) * S::from_i32(2);
         let is_parallel = difference.abs() <= S::from_i32(GATE_SIGMAS);
         let finite = [cost, middle_px, sigma_middle_px].into_iter().all(S::is_finite);
         finite.then_some(Self { square, cost, is_parallel, middle_px, sigma_middle_px })
