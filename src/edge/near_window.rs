@@ -1,7 +1,7 @@
 //! [`NearWindow`]: the pixels around an edge whose plateaus its neighbours cut off, in a row of grey bytes.
 
-use super::phase::Phase;
-use super::template::{Sampled, Template};
+use super::phase::{Phase, Sampled};
+use super::template::Template;
 use super::window::view;
 
 /// What a [`Window`](super::window::Window) is where hardly anything of the flank is cut off: its weights are all taken,

@@ -1,10 +1,9 @@
 //! Overshoot beside an edge, the mark of sharpening. docs/model.md, section 5.4.
 
 use super::model::EdgeModel;
-use super::phase::Phase;
+use super::phase::{Phase, Sampled};
 use super::pixel_row::{PixelRow, Stretch};
 use super::refine::LocatedPoint;
-use super::template::Sampled;
 use crate::format::Pixels;
 
 /// What a blur that is wider by a pixel adds to the sum of both feet, in 1/256 of the contrast: 2 φ(z) where Φ(z) =

@@ -7,8 +7,15 @@ use super::level_norms::LevelNorms;
 use super::norms::{Norms, Squares};
 use super::products::Expected;
 use super::spread_function::SpreadFunction;
-use super::template::{CLASSES, TEMPLATES, WIDEST, widening};
+use super::template::{CLASSES, TEMPLATES, Template, WIDEST, widening};
 use super::weight::Weight;
+
+/// A template at a phase: where its first pixel lies and where its step, in 1/256 px.
+pub(super) struct Sampled {
+    pub(super) first: i32,
+    pub(super) centre_q8: i32,
+    pub(super) phase: &'static Phase,
+}
 
 /// What the pixels of a flank should show where the step lies at one phase of the pixel.
 pub(super) struct Phase {
@@ -16,7 +23,7 @@ pub(super) struct Phase {
     pub(super) norms: Norms,
     pub(super) feet: Feet,
     /// How far it is from the middle of the pixel, in 1/256 px.
-    pub(super) off_q8: i16,
+    off_q8: i16,
     /// Its place among the phases of all classes.
     place: u8,
 }
@@ -25,10 +32,21 @@ pub(super) struct Phase {
 /// out.
 pub(super) struct QuickPhase {
     pub(super) expected: Expected,
-    /// [`Template::per_width`](super::template::Template::per_width).
+    /// [`Template::per_width`].
     pub(super) per_width: Factor,
     /// Sum of the slope.
     pub(super) slope: u16,
+}
+
+impl Template {
+    /// Its phase that is nearest to a column in 1/256 px.
+    #[inline(always)]
+    pub(super) fn at(&self, column_q8: i32) -> Sampled {
+        let shifted_q8 = column_q8 + i32::from(self.rounding_q8);
+        let (pixel, part) = (shifted_q8 >> 8, (shifted_q8 & 0xFF) as usize >> (self.step_log2 & 31));
+        let phase = Phase::at(usize::from(self.first_phase) + part);
+        Sampled { first: pixel - i32::from(self.pixels / 2), centre_q8: (pixel << 8) + i32::from(phase.off_q8), phase }
+    }
 }
 
 impl Phase {
@@ -36,7 +54,7 @@ impl Phase {
 
     /// The one at this place among the phases of all classes.
     #[inline(always)]
-    pub(super) fn at(place: usize) -> &'static Self {
+    fn at(place: usize) -> &'static Self {
         PHASES.get(place).unwrap_or(&Self::NONE)
     }
 
@@ -154,3 +172,32 @@ const ALL_WEIGHTS: [Weight; WEIGHT_COUNT] = {
     }
     weights
 };
+
+#[cfg(test)]
+mod tests {
+    use super::super::template::{CLASSES, Template};
+    use super::Phase;
+
+    /// Factors of a row that is as usual: their products are within the range of [`Factor::product`] for every blur and
+    /// contrast, and good to a part in 2¹².
+    #[test]
+    fn factors_of_usual_rows_make_products() {
+        for (class, template) in (0..CLASSES as u8).map(|class| (class, Template::of(class))) {
+            for place in (template.first_phase..).take(template.phases().into()) {
+                let phase = Phase::at(place.into());
+                for level in 4..=255 {
+                    let per_contrast = template.per_contrast(level << 8).expect("a contrast");
+                    for factor in [phase.norms.per_slope, phase.quick().per_width] {
+                        let both = factor.roughly_and(per_contrast);
+                        assert!((12..44).contains(&(both.lost() + 16)), "class {class}, {level}: {both:?}");
+                        let value = 1 << 24;
+                        let exact = per_contrast.times(factor.times(value));
+                        let exact = f64::from(exact) / libm::exp2(f64::from(per_contrast.lost() + factor.lost()));
+                        let off = (f64::from(both.product(value)) - exact).abs();
+                        assert!(off <= 2.0 + exact / 4096.0, "class {class}, {level}: {off} of {exact}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -6,9 +6,9 @@ use super::level_norms::{FreeLevels, LevelNorms, LevelSums};
 use super::model::{EdgeModel, Fit};
 use super::moments::Moments;
 use super::norms::{LEAST_SLOPE_SLOPE, Squares, of_levels_q12, per_freedom_q16, reciprocal, sigma_q8, sigma_q16};
-use super::phase::Phase;
+use super::phase::{Phase, Sampled};
 use super::pixel_row::{Stretch, mean_q8};
-use super::template::{Sampled, Template};
+use super::template::Template;
 use super::weight::Weight;
 use super::window::Parts;
 

@@ -6,7 +6,6 @@
 
 use super::factor::{Factor, shifted};
 use super::norms::Norms;
-use super::phase::Phase;
 use super::pixel_count::{mean_q8, per_pixels_q20};
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
@@ -20,7 +19,7 @@ pub(super) struct Template {
     pub(super) box_q8: u16,
     /// Half the width of what is neither 0 nor 1, in 1/256 px.
     pub(super) reach_q8: u16,
-    /// The width's change that one unit of [`Weight::widening`] stands for, in b, over 2¹².
+    /// The width's change that one unit of [`Weight::widening`](super::weight::Weight::widening) stands for, in b, over 2¹².
     per_widening: Factor,
     /// The blurs that are not nearer to the next class, in 1/4096 px.
     blurs_q12: [u16; 2],
@@ -28,10 +27,10 @@ pub(super) struct Template {
     per_plateau_q20: u32,
     far_q8: u16,
     /// Half a pixel to either side of the middle one, and half a phase to either side of each.
-    rounding_q8: u16,
+    pub(super) rounding_q8: u16,
     /// Phases of the pixel, and 1/256 px from one to the next: 2 to these powers.
     phases_log2: u8,
-    step_log2: u8,
+    pub(super) step_log2: u8,
     /// Pixels of each phase.
     pub(super) pixels: u8,
     /// Where its weights begin, and its phases.
@@ -39,27 +38,11 @@ pub(super) struct Template {
     pub(super) first_phase: u8,
 }
 
-/// A template at a phase: where its first pixel lies and where its step, in 1/256 px.
-pub(super) struct Sampled {
-    pub(super) first: i32,
-    pub(super) centre_q8: i32,
-    pub(super) phase: &'static Phase,
-}
-
 impl Template {
     /// The template of a class; the widest where there is no such class.
     pub(super) fn of(class: u8) -> &'static Self {
         const TABLE: &[Template; CLASSES] = &TEMPLATES;
         TABLE.get(usize::from(class)).unwrap_or(&WIDEST)
-    }
-
-    /// Its phase that is nearest to a column in 1/256 px.
-    #[inline(always)]
-    pub(super) fn at(&self, column_q8: i32) -> Sampled {
-        let shifted_q8 = column_q8 + i32::from(self.rounding_q8);
-        let (pixel, part) = (shifted_q8 >> 8, (shifted_q8 & 0xFF) as usize >> (self.step_log2 & 31));
-        let phase = Phase::at(usize::from(self.first_phase) + part);
-        Sampled { first: pixel - i32::from(self.pixels / 2), centre_q8: (pixel << 8) + i32::from(phase.off_q8), phase }
     }
 
     /// b over a contrast in 1/256 grey level: in 1/2¹⁸ px and grey level. `None` where there is none.
@@ -272,7 +255,6 @@ impl Template {
 
 #[cfg(test)]
 mod tests {
-    use super::super::phase::Phase;
     use super::{CLASSES, Template};
 
     #[test]
@@ -280,29 +262,6 @@ mod tests {
         for template in (0..CLASSES as u8).map(Template::of) {
             let pixels = template.plateau();
             assert_eq!(template.mean_q8(200 * pixels as u32), 200 << 8, "{pixels} pixels");
-        }
-    }
-
-    /// Factors of a row that is as usual: their products are within the range of [`Factor::product`] for every blur and
-    /// contrast, and good to a part in 2¹².
-    #[test]
-    fn factors_of_usual_rows_make_products() {
-        for (class, template) in (0..CLASSES as u8).map(|class| (class, Template::of(class))) {
-            for place in (template.first_phase..).take(template.phases().into()) {
-                let phase = Phase::at(place.into());
-                for level in 4..=255 {
-                    let per_contrast = template.per_contrast(level << 8).expect("a contrast");
-                    for factor in [phase.norms.per_slope, phase.quick().per_width] {
-                        let both = factor.roughly_and(per_contrast);
-                        assert!((12..44).contains(&(both.lost() + 16)), "class {class}, {level}: {both:?}");
-                        let value = 1 << 24;
-                        let exact = per_contrast.times(factor.times(value));
-                        let exact = f64::from(exact) / libm::exp2(f64::from(per_contrast.lost() + factor.lost()));
-                        let off = (f64::from(both.product(value)) - exact).abs();
-                        assert!(off <= 2.0 + exact / 4096.0, "class {class}, {level}: {off} of {exact}");
-                    }
-                }
-            }
         }
     }
 }

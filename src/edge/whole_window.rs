@@ -2,10 +2,10 @@
 //! show.
 
 use super::moments::Moments;
-use super::phase::Phase;
+use super::phase::{Phase, Sampled};
 use super::pixel_row::sum;
 use super::products::Products;
-use super::template::{Sampled, Template};
+use super::template::Template;
 use super::weight::Weight;
 
 /// What a [`Window`](super::window::Window) is where neither a neighbour nor the border cuts off a part, and the light

@@ -3,9 +3,10 @@
 use super::level_norms::{LevelNorms, LevelSums};
 use super::moments::Moments;
 use super::norms::{Norms, Squares};
+use super::phase::Sampled;
 use super::pixel_row::{PixelRow, Stretch};
 use super::point::EdgePoint;
-use super::template::{Sampled, Template};
+use super::template::Template;
 use super::tuning::{APART, SAME_EDGE_Q16};
 use super::weight::Weight;
 use crate::format::Pixels;
