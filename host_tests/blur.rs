@@ -9,9 +9,8 @@ use shutter_range::{
 
 use crate::journey::seed;
 use crate::projection;
-use crate::scenes::{TENTH_DEGREE, line_of, tilt_of};
+use crate::scenes::{HALF_DEGREE, TENTH_DEGREE, line_of, tilt_of};
 
-const HALF_DEGREE: f64 = 5.0 * TENTH_DEGREE;
 const EXPOSURE_S: f32 = 0.008;
 
 type WideRanger = Ranger<16, 16, 64>;

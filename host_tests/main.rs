@@ -4,6 +4,7 @@ mod accounting;
 mod accuracy;
 mod agreement;
 mod architecture;
+mod association;
 mod back_ends;
 mod bad_input;
 mod blur;

@@ -138,6 +138,7 @@ pub(crate) fn tilt_of<S: Scalar>(sigma_tilt: f64) -> Uncertainty<S> {
 
 /// 0.1° as a slope.
 pub(crate) const TENTH_DEGREE: f64 = 0.1 * std::f64::consts::PI / 180.0;
+pub(crate) const HALF_DEGREE: f64 = 5.0 * TENTH_DEGREE;
 
 /// Properties are tried on the same cases in every run.
 pub(crate) fn seeded(cases: u32) -> Config {

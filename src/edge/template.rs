@@ -1,8 +1,9 @@
-//! [`Template`]: what the pixels of an edge's flank should show, made when the library is compiled.
+//! [`Template`]: a class of blur, made when the library is compiled.
 //!
-//! A spread function for each class of blur, sampled at some phases of the pixel. A row is compared with the nearest
-//! phase of its line's class: what it is off is told by the products with the slope and with the change by the width,
-//! so that neither phases nor classes need to be fine.
+//! What the pixels of an edge's flank should show is a spread function for each class, sampled at some
+//! [phases](super::phase) of the pixel. A row is compared with the nearest phase of its line's class: what it is off is
+//! told by the products with the slope and with the change by the width, so that neither phases nor classes need to be
+//! fine.
 
 use super::factor::{Factor, shifted};
 use super::norms::Norms;
@@ -10,7 +11,7 @@ use super::pixel_count::{mean_q8, per_pixels_q20};
 use super::spread_function::{Place, SpreadFunction};
 use super::tuning::{CLASS_RATIO, LEAST_BLUR_Q8, MOST_BLUR_Q8, PLATEAU};
 
-/// The templates of one blur.
+/// The template of one class of blur, at all its phases.
 #[derive(Clone, Copy)]
 pub(super) struct Template {
     /// One sigma of the blur, the pixel's own included, in 1/256 px.
@@ -19,7 +20,8 @@ pub(super) struct Template {
     pub(super) box_q8: u16,
     /// Half the width of what is neither 0 nor 1, in 1/256 px.
     pub(super) reach_q8: u16,
-    /// The width's change that one unit of [`Weight::widening`](super::weight::Weight::widening) stands for, in b, over 2¹².
+    /// The width's change that one unit of [`Weight::widening`](super::weight::Weight::widening) stands for, in b, over
+    /// 2¹².
     per_widening: Factor,
     /// The blurs that are not nearer to the next class, in 1/4096 px.
     blurs_q12: [u16; 2],

@@ -7,7 +7,7 @@ use crate::scalar::{Scalar, add, hypot, ln, scale, sub};
 
 /// What the mean of a line's ends, their difference and its middle are off.
 pub(super) struct Comparison<S> {
-    /// Square of the distance in sigmas, of mean and difference together.
+    /// Square of the distance in sigmas: of the difference, and of the mean given that, together.
     pub(super) square: S,
     /// Minus twice the logarithm of the likelihood, but for a constant: the smaller, the better a line fits. Of two
     /// edges that a line fits, the surer one has it.
@@ -36,11 +36,12 @@ impl<S: Scalar> Comparison<S> {
         let off = S::ratio(OFF_QUARTERS_PX, 4);
         let (mean_px, difference_px) = ((first_px + last_px) * half, last_px - first_px);
         let difference = difference_px / (difference_sigma + off);
-        // The mean is compared given the difference: of an edge that is hardly known, how it runs tells where it lies.
-        let telling_px = hypot(difference_sigma, off);
-        let of_difference = mixed / telling_px;
-        let given_px = mean_px - of_difference * (difference_px / telling_px);
-        let rest = (mean_sigma - of_difference) * (mean_sigma + of_difference);
+        // The mean is compared given the difference: of an edge that is hardly known, how it runs tells where it lies, as
+        // far as no bend hides it. What the difference explains of the mean is one sigma of it.
+        let telling_sigma = hypot(difference_sigma, off);
+        let explained_sigma = mixed / telling_sigma;
+        let given_px = mean_px - explained_sigma * (difference_px / telling_sigma);
+        let rest = (mean_sigma - explained_sigma) * (mean_sigma + explained_sigma);
         let given_sigma = rest.max(S::ZERO).sqrt() + off;
         let mean = given_px / given_sigma;
         let square = mean * mean + difference * difference;
