@@ -37,17 +37,19 @@ impl<const LINES: usize, const KNOTS: usize, const POINTS: usize, R: Repair> Ran
         let mut candidates = Candidates::new();
         let is_steady = tracker.locate(setup.limits(), at, pixel_row, &mut candidates);
         let (is_full, is_mosaic) = (tracker.is_full(), pixels.mosaic_row().is_some());
-        let is_blinded = if is_steady && (is_full || !looks_for_new(row, is_mosaic)) {
+        // Where nothing new is looked for, lines that the row has not shown yet are.
+        let is_asked = is_full || !looks_for_new(row, is_mosaic);
+        let is_blinded = if is_steady && is_asked {
             self.scanner.pass(pixels);
             // Asked only where it was so before: most rows can be read.
             was_blinded && self.scanner.is_blinded()
         } else {
             let (mut asked, mut flanks): (Vec<_, LINES>, _) = (Vec::new(), Flanks::new());
             tracker.add_flanks(row, &candidates, &mut flanks);
-            if is_full {
+            if is_asked {
                 candidates.add_columns(&mut asked);
             }
-            let asked = is_full.then_some(&asked[..]);
+            let asked = is_asked.then_some(&asked[..]);
             self.scanner.scan_where(pixels, asked, &flanks, looks_beside(row, is_mosaic), |point| {
                 if points.push(point.at(row, at.time_ns)).is_err() {
                     tracker.counters_mut().count_points(1);
