@@ -59,15 +59,15 @@ impl EdgeModel {
         if !self.is_usual {
             return None;
         }
-        let mut step = self.near_step(row, expected.column_q16, around)?;
-        if step.column_q16.abs_diff(expected.column_q16) > self.one_step_q16(step.sigma_q16) {
-            let from_q16 = step.column_q16;
-            step = self.near_step(row, from_q16, around)?;
-            if step.column_q16.abs_diff(from_q16) > self.one_step_q16(step.sigma_q16) {
-                return None;
+        let mut from_q16 = expected.column_q16;
+        for _ in 0..2 {
+            let step = self.near_step(row, from_q16, around)?;
+            if step.column_q16.abs_diff(from_q16) <= self.one_step_q16(step.sigma_q16) {
+                return self.take_usual(step, expected);
             }
+            from_q16 = step.column_q16;
         }
-        self.take_usual(step, expected)
+        None
     }
 
     /// Takes what a step has found, if it is within the gate and what noise explains. Where the width is none that an edge
@@ -118,6 +118,7 @@ impl EdgeModel {
 
     /// Likewise between neighbours that cut off its plateaus: the fewer pixels tell the levels, the less they tell
     /// whether these are the usual ones.
+    #[inline(always)]
     fn near_step<'p>(&self, row: &'p [u8], from_q16: i32, around: &Neighbours) -> Option<UsualStep<'p>> {
         let (column_q8, bounds_q8) = (from_q16 >> 8, around.bounds_q8());
         if !self.is_alone(column_q8, bounds_q8, row.len() as i32) {

@@ -1,8 +1,8 @@
 //! Where a row of pixels shows a line that has a model of its edge.
 
 use super::association::Prediction;
-use super::track::Track;
-use crate::edge::{EdgePoint, Expectation, LocatedPoint, Neighbours, PixelRow, UsualPoint};
+use super::track::{State, Track};
+use crate::edge::{EdgePoint, Expectation, LocatedPoint, Neighbours, PixelRow, Polarity, UsualPoint};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -32,55 +32,97 @@ impl<'p, P: Pixels> SeenRow<'p, P> {
     }
 }
 
+/// What is beside a line.
+#[derive(Clone, Copy)]
+pub(super) struct Beside {
+    /// Where the row should show it.
+    column_q16: i32,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Nothing,
+    Edge(Polarity),
+    /// A line that may be none, or a fragment of an edge.
+    Doubtful,
+}
+
+impl Beside {
+    /// On the left of all lines, and on the right.
+    pub(super) const BEGINNING: Self = Self { column_q16: Neighbours::NONE.left_q16, kind: Kind::Nothing };
+    pub(super) const END: Self = Self { column_q16: Neighbours::NONE.right_q16, kind: Kind::Nothing };
+
+    #[inline(always)]
+    pub(super) fn of<const KNOTS: usize>(track: &Track<KNOTS>) -> Self {
+        let kind =
+            if track.state == State::Confirmed { Kind::Edge(track.line.last.polarity) } else { Kind::Doubtful };
+        Self { column_q16: track.next_column_q16(), kind }
+    }
+
+    fn columns([left, right]: &[Self; 2]) -> Neighbours {
+        Neighbours { left_q16: left.column_q16, right_q16: right.column_q16 }
+    }
+
+    /// As what is beside the next line, where others before may lie farther to the right.
+    #[inline(always)]
+    pub(super) fn behind(self, others: &Self) -> Self {
+        Self { column_q16: self.column_q16.max(others.column_q16), ..self }
+    }
+
+    /// Whether it is another edge than one of this polarity: one of the same may be a fragment of the same edge.
+    fn is_edge_beside(self, polarity: Polarity) -> bool {
+        match self.kind {
+            Kind::Nothing => true,
+            Kind::Edge(other) => other != polarity,
+            Kind::Doubtful => false,
+        }
+    }
+}
+
 impl<const KNOTS: usize> Track<KNOTS> {
     /// Whether its model may look for it in the row after the last one.
-    pub(super) fn goes_on_in(&self, row: u16) -> bool {
+    fn goes_on_in(&self, row: u16) -> bool {
         self.model.is_some() && row.abs_diff(self.line.last.row) == 1
     }
 
-    /// Takes the edge's point in a row that shows it as the rows before did, alone between its neighbours. Else the row
-    /// has to be looked at closely.
+    /// Takes the edge's point in the row after the last one, if that shows it as the rows before did, alone between the
+    /// lines beside it.
     #[inline(never)]
-    pub(super) fn locate_steady<P: Pixels>(&mut self, row: &SeenRow<'_, P>, around: &Neighbours) -> bool {
+    pub(super) fn locate_steady<P: Pixels>(&mut self, row: &SeenRow<'_, P>, beside: &[Beside; 2]) -> bool {
         if !self.goes_on_in(row.at.row) || self.line.is_beside_texture {
             return false;
         }
         let expected = self.expected_next(row.at);
-        let around = self.line.untracked.among(*around, expected.column_q16);
+        let around = self.line.untracked.among(Beside::columns(beside), expected.column_q16);
         let (Some(bytes), Some(model)) = (row.quick_bytes(), &mut self.model) else { return false };
         let Some(found) = model.locate_usual(bytes, expected, &around) else { return false };
         self.take_next(&found, expected.column_q16, row.at, row.limits);
         true
     }
 
-    /// Takes the edge's point in the row after the last one, if its model finds it there between its neighbours. `None`
-    /// where one of them is near and no edge for sure.
-    pub(super) fn locate_between<P: Pixels>(
-        &mut self,
-        row: &SeenRow<'_, P>,
-        around: &Neighbours,
-        are_edges: [bool; 2],
-    ) -> Option<bool> {
-        let SeenRow { at, limits, .. } = row;
-        let expected = self.expected_next(at);
+    /// Takes it where neighbours cut off its plateaus, or where the row may show anything else than the rows before. `None`
+    /// where it has to be weighed against others: where one of them is near and not surely another edge.
+    #[inline(never)] // few rows come here
+    pub(super) fn locate_between<P: Pixels>(&mut self, row: &SeenRow<'_, P>, beside: &[Beside; 2]) -> Option<bool> {
+        if !self.goes_on_in(row.at.row) {
+            return None;
+        }
+        let expected = self.expected_next(row.at);
         let Expectation { column_q16, gate_q16, .. } = expected;
+        let (around, polarity) = (Beside::columns(beside), self.line.last.polarity);
         let model = self.model.as_mut()?;
-        if !around.are_far_but_for(are_edges, model.far_q16(), column_q16) {
+        if !around.are_far_but_for(beside.map(|line| line.is_edge_beside(polarity)), model.far_q16(), column_q16) {
             return None;
         }
         if let Some(bytes) = row.quick_bytes().filter(|_| !self.line.is_beside_texture)
-            && let Some(found) = model.locate_near(bytes, expected, &self.line.untracked.among(*around, column_q16))
+            && let Some(found) = model.locate_near(bytes, expected, &self.line.untracked.among(around, column_q16))
         {
-            self.take_next_apart(&found, column_q16, at, limits);
+            self.take_next(&found, column_q16, row.at, row.limits);
             return Some(true);
         }
-        Some(self.locate(&Prediction { column_q16, gate_q16, coasting: false }, **at, row.pixels, *around, limits))
-    }
-
-    /// [`Self::take_next`] in code of its own: few rows come here.
-    #[inline(never)]
-    fn take_next_apart(&mut self, found: &UsualPoint, predicted_q16: i32, at: &RowTime, limits: &Limits) {
-        self.take_next(found, predicted_q16, at, limits);
+        let prediction = Prediction { column_q16, gate_q16, coasting: false };
+        Some(self.locate(&prediction, *row.at, row.pixels, around, row.limits))
     }
 
     /// Takes what the next row shows as the rows before did.

@@ -3,10 +3,9 @@
 
 use heapless::Vec;
 
-use super::locating::{RowTime, SeenRow};
+use super::locating::{Beside, RowTime, SeenRow};
 use super::table::{Table, Tracks};
-use super::track::{State, Track};
-use crate::edge::{EdgePoint, Neighbours, PixelRow};
+use crate::edge::{EdgePoint, PixelRow};
 use crate::format::Pixels;
 use crate::setup::Limits;
 
@@ -33,53 +32,30 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     let (places, mut tracks) = table.places_and_tracks();
     let row = SeenRow { at, pixels: *row, bytes: row.quick_bytes(), limits };
     let mut located = Located { lines: 0, has_young: false };
-    let column_q16 = |tracks: &Tracks<'_, KNOTS>, index: usize| {
-        let track = places.get(index).and_then(|place| tracks.get(*place));
-        track.map_or(Neighbours::NONE.right_q16, Track::next_column_q16)
+    let beside = |tracks: &Tracks<'_, KNOTS>, index: usize| {
+        places.get(index).and_then(|place| tracks.get(*place)).map_or(Beside::END, Beside::of)
     };
-    let (mut left_q16, mut own_q16) = (Neighbours::NONE.left_q16, column_q16(&tracks, 0));
+    let (mut around, mut own) = ([Beside::BEGINNING; 2], beside(&tracks, 0));
     for (index, place) in places.iter().enumerate() {
-        let around = Neighbours { left_q16, right_q16: column_q16(&tracks, index + 1) };
-        left_q16 = left_q16.max(own_q16);
-        own_q16 = around.right_q16;
+        let [_, right] = &mut around;
+        *right = beside(&tracks, index + 1);
+        let own_q16 = core::mem::replace(&mut own, *right);
         let Some(track) = tracks.get_mut(*place) else { continue };
-        let is_young = if track.locate_steady(&row, &around) {
-            track.is_young()
-        } else {
-            let beside = [index.checked_sub(1), index.checked_add(1)].map(|index| places.get(index?).copied());
-            match locate_between(&mut tracks, *place, beside, &row, &around) {
-                Some(true) => tracks.get(*place).is_some_and(Track::is_young),
-                Some(false) => {
-                    let _ = missed.push(*place);
-                    continue;
-                }
-                None => continue,
+        let found = if track.locate_steady(&row, &around) { Some(true) } else { track.locate_between(&row, &around) };
+        match found {
+            Some(true) => {
+                located.lines += 1;
+                located.has_young |= track.is_young();
             }
-        };
-        located.lines += 1;
-        located.has_young |= is_young;
+            Some(false) => {
+                let _ = missed.push(*place);
+            }
+            None => {}
+        }
+        let [left, _] = &mut around;
+        *left = own_q16.behind(left);
     }
     located
-}
-
-/// Looks closely for the line at a place between those beside it. `None` where it has to be weighed against others: one
-/// that is near and not surely another edge.
-#[inline(never)] // few rows come here
-fn locate_between<P: Pixels, const KNOTS: usize>(
-    tracks: &mut Tracks<'_, KNOTS>,
-    place: u16,
-    beside: [Option<u16>; 2],
-    row: &SeenRow<'_, P>,
-    around: &Neighbours,
-) -> Option<bool> {
-    let own = tracks.get(place).filter(|track| track.goes_on_in(row.at.row))?.line.last.polarity;
-    // One of the same polarity may be a fragment of the same edge.
-    let is_edge = |place: Option<u16>| {
-        let beside = place.and_then(|place| tracks.get(place));
-        beside.is_none_or(|track| track.state == State::Confirmed && track.line.last.polarity != own)
-    };
-    let are_edges = beside.map(is_edge);
-    tracks.get_mut(place)?.locate_between(row, around, are_edges)
 }
 
 /// Gives each line its point, where a row shows each as the rows before did and nothing else. Whether one of the lines is
