@@ -20,12 +20,19 @@ pub(crate) struct Light {
     brightest: u16,
     is_dark: bool,
     has_changed: bool,
+    has_returned: bool,
 }
 
 impl Light {
     /// Before a frame.
-    pub(crate) const UNSEEN: Self =
-        Self { levels: [0; LIGHT_COLUMNS], changed_row: 0, brightest: 0, is_dark: false, has_changed: false };
+    pub(crate) const UNSEEN: Self = Self {
+        levels: [0; LIGHT_COLUMNS],
+        changed_row: 0,
+        brightest: 0,
+        is_dark: false,
+        has_changed: false,
+        has_returned: false,
+    };
 
     /// The row in which it has changed last.
     pub(crate) const fn changed_row(&self) -> u16 {
@@ -42,6 +49,11 @@ impl Light {
         self.is_dark
     }
 
+    /// Whether it has gone, and has not done so before: the frame may have a border.
+    pub(crate) const fn may_be_border(&self) -> bool {
+        self.is_dark && !self.has_returned
+    }
+
     /// Takes the next row of a frame, whose pixels have so much noise.
     pub(crate) fn take(&mut self, row: u16, pixels: &impl Pixels, noise_q8: impl FnOnce() -> u32) {
         // Of a mosaic, whose two kinds of rows differ, only one.
@@ -53,7 +65,8 @@ impl Light {
             [&self.levels, &levels].map(|levels| levels.iter().map(|level| u16::from(*level)).sum());
         let has_come = before == 0 || now / LIGHT_CHANGE > self.brightest;
         self.brightest = now.max(self.brightest);
-        self.is_dark = now < self.brightest / LIGHT_CHANGE;
+        let was_dark = core::mem::replace(&mut self.is_dark, now < self.brightest / LIGHT_CHANGE);
+        self.has_returned |= was_dark && !self.is_dark && self.has_changed;
         let change = now.abs_diff(before);
         if change < (before / LIGHT_CHANGE).max(LEAST_LIGHT * LIGHT_COLUMNS as u16)
             || u32::from(change) < (LIGHT_SIGMAS * noise_q8()) >> 8
@@ -152,6 +165,18 @@ mod tests {
         assert!(!has_changed([1, 1, 100, 100]), "it comes");
         assert!(has_changed([100, 100, 50, 50]) && has_changed([100, 100, 1, 1]) && has_changed([1, 100, 1, 100]));
         assert!(has_changed([30, 30, 100, 100]));
+    }
+
+    /// Light that goes twice is no border.
+    #[test]
+    fn what_is_dark_to_the_end_may_be_a_border() {
+        let is_border = |percents: [u32; 4]| {
+            let mut light = Light::UNSEEN;
+            (0..40).for_each(|row| light.take(row, &&[2 * percents[usize::from(row / 10)] as u8; 320], || NOISE_Q8));
+            light.may_be_border()
+        };
+        assert!(is_border([100, 100, 100, 1]) && is_border([1, 100, 50, 1]) && is_border([100, 50, 1, 1]));
+        assert!(!is_border([100, 1, 100, 1]) && !is_border([100, 1, 50, 1]) && !is_border([1, 100, 100, 100]));
     }
 
     /// Nothing but noise in the dark.

@@ -82,7 +82,9 @@ impl<const KNOTS: usize> Line<KNOTS> {
     /// Gives up what comes after a cut.
     pub(super) fn keep_before(&mut self, cut: &Cut) {
         self.knots.truncate(cut.kept);
-        (self.last, self.points, self.left_by_light) = (cut.end, cut.points_before, None);
+        (self.last, self.points) = (cut.end, cut.points_before);
+        // The parts of a line through which the light has left it are pieces as well.
+        self.left_by_light = self.left_by_light.map(|_| cut.end.row);
     }
 
     /// Gives up what comes before a cut.
@@ -94,7 +96,8 @@ impl<const KNOTS: usize> Line<KNOTS> {
             *room = knot;
         }
         self.knots.truncate(self.knots.len().saturating_sub(cut.left));
-        (self.first, self.points, self.begins_with_light) = (cut.start, cut.points_after, false);
+        (self.first, self.points) = (cut.start, cut.points_after);
+        self.begins_with_light = self.left_by_light.is_some();
     }
 
     /// A point of the line, so many rows after the first one: on the way from the mean of a knot to a point.

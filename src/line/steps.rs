@@ -84,20 +84,30 @@ impl Steps {
         is_asked(track, row) && self.is_with_light(track.line.first().row, row)
     }
 
-    /// Whether the light has cut the end of a line that has not been seen for some rows.
+    /// Whether the light has cut the end of a line that has not been seen for some rows, however soon after the frame began.
     fn has_broken_off<const KNOTS: usize>(&self, track: &Track<KNOTS>, row: u16) -> bool {
-        !goes_on(track, row) && self.is_with_light(track.line.last().row, row)
+        !goes_on(track, row) && self.is_near_light(track.line.last().row)
     }
 
     /// Whether the light has changed near an end of a line, and the frame did not begin there.
     fn is_with_light(&self, end_row: u16, row: u16) -> bool {
         let rows_before = self.rows.saturating_sub(row.abs_diff(end_row));
-        rows_before > YOUNG_POINTS && end_row.abs_diff(self.light.changed_row()) <= YOUNG_POINTS
+        rows_before > YOUNG_POINTS && self.is_near_light(end_row)
+    }
+
+    /// Whether the light has changed near an end of a line.
+    fn is_near_light(&self, end_row: u16) -> bool {
+        end_row.abs_diff(self.light.changed_row()) <= YOUNG_POINTS
     }
 
     /// Whether the light has gone, and edges with it.
     pub(super) const fn is_dark(&self) -> bool {
         self.light.is_dark()
+    }
+
+    /// Whether the frame may have a border, at which they end.
+    pub(super) const fn may_be_border(&self) -> bool {
+        self.light.may_be_border()
     }
 
     /// Counts the lines that have become old enough on `row` to tell where they began, where the light has changed

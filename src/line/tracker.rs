@@ -231,11 +231,10 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
 
     /// Ends the confirmed lines and forgets the tentative ones.
     pub(crate) fn end_frame(&mut self) {
-        // What is dark to the end may be the frame's border.
-        let is_dark = self.steps.is_dark();
+        let may_be_border = self.steps.may_be_border();
         self.steps = Steps::NONE;
         while let Some(place) = self.table.leave_out_last() {
-            if is_dark && let Some(track) = self.table.track_mut(place) {
+            if may_be_border && let Some(track) = self.table.track_mut(place) {
                 track.line.left_by_light = None;
             }
             let strays = self.table.finish(place);
