@@ -1,7 +1,10 @@
 //! [`Line`]: the points of one edge in the image, summed into a bounded list of knots.
 
+use core::num::NonZeroU16;
+
 use heapless::Vec;
 
+use super::asides::Asides;
 use super::knot::Knot;
 use super::prominence::Prominence;
 use crate::edge::{EdgePoint, Untracked};
@@ -47,9 +50,11 @@ pub struct Line<const KNOTS: usize> {
     pub(super) is_beside_texture: bool,
     /// It begins where the light of the rows has changed.
     pub(super) begins_with_light: bool,
-    /// The row in which it was last seen before the light of the rows changed: where that is its last one, it has broken off
-    /// with the light.
-    pub(super) left_by_light: Option<u16>,
+    /// Other lines of its kind a step beside its ends; when it is handed out, only where most lines of the frame have them.
+    pub(super) asides: Asides,
+    /// One more than the row in which it was last seen before the light of the rows changed: where that is its last one, it
+    /// has broken off with the light.
+    pub(super) left_by_light: Option<NonZeroU16>,
     /// While it is under way: how far away an edge without a line is on either side.
     pub(super) untracked: Untracked,
     /// Rows per knot: 2 to this power.
@@ -72,6 +77,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
             of_pixels: false,
             is_beside_texture: false,
             begins_with_light: false,
+            asides: Asides::NONE,
             left_by_light: None,
             untracked: Untracked::NONE,
             span_log2: 0,
@@ -192,10 +198,20 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.of_pixels
     }
 
+    /// The light has left it after its last point.
+    pub(super) fn mark_left_by_light(&mut self) {
+        self.left_by_light = NonZeroU16::MIN.checked_add(self.last.row);
+    }
+
     /// Whether it begins or breaks off where the light of the rows changes: it may be a piece of an edge in pulsed light, all
     /// rows of which have seen it at the same time.
     pub(crate) fn is_cut_by_light(&self) -> bool {
-        self.begins_with_light || self.left_by_light == Some(self.last.row)
+        self.begins_with_light || self.left_by_light.is_some_and(|row| row.get() - 1 == self.last.row)
+    }
+
+    /// Whether it goes on a step aside, as most lines of its frame do: it may be a piece of an edge that advances in jumps.
+    pub(crate) fn is_piece(&self) -> bool {
+        self.asides.any()
     }
 
     /// Whether it stands out of what is around it by so many times what excludes chance; so does a line of points that

@@ -55,8 +55,7 @@ impl Beside {
 
     #[inline(always)]
     pub(super) fn of<const KNOTS: usize>(track: &Track<KNOTS>) -> Self {
-        let kind =
-            if track.state == State::Confirmed { Kind::Edge(track.line.last.polarity) } else { Kind::Doubtful };
+        let kind = if track.state == State::Confirmed { Kind::Edge(track.line.last.polarity) } else { Kind::Doubtful };
         Self { column_q16: track.next_column_q16(), kind }
     }
 

@@ -84,7 +84,9 @@ impl<const KNOTS: usize> Line<KNOTS> {
         self.knots.truncate(cut.kept);
         (self.last, self.points) = (cut.end, cut.points_before);
         // The parts of a line through which the light has left it are pieces as well.
-        self.left_by_light = self.left_by_light.map(|_| cut.end.row);
+        if self.left_by_light.is_some() {
+            self.mark_left_by_light();
+        }
     }
 
     /// Gives up what comes before a cut.

@@ -52,7 +52,7 @@ impl Steps {
             let Some(track) = tracks.get_mut(*place) else { continue };
             track.line.begins_with_light |= self.has_begun(track, row);
             if self.has_broken_off(track, row) {
-                track.line.left_by_light = Some(track.line.last().row);
+                track.line.mark_left_by_light();
             }
         }
     }

@@ -13,6 +13,7 @@ use super::learning::look_at;
 use super::line::Line;
 use super::locating::RowTime;
 use super::matching::match_points;
+use super::pieces::Pieces;
 use super::refinement::Refinement;
 use super::repair::{Repair, Repaired};
 use super::steady::{Located, Missed, locate_steady, take_steady};
@@ -20,7 +21,7 @@ use super::steps::Steps;
 use super::stitch::stitch_all;
 use super::table::Table;
 use super::track::{State, Track};
-use super::tuning::YOUNG_POINTS;
+use super::tuning::{SUCCESSOR_DELAY_ROWS, YOUNG_POINTS};
 use super::turns::has_turn;
 use crate::edge::{EdgePoint, PixelRow};
 use crate::format::Pixels;
@@ -41,6 +42,7 @@ pub(crate) struct Tracker<const LINES: usize, const KNOTS: usize, R = Repaired> 
     table: Table<LINES, KNOTS>,
     counters: Counters,
     steps: Steps,
+    pieces: Pieces,
     repair: PhantomData<R>,
 }
 
@@ -48,7 +50,13 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
     /// An empty tracker.
     #[must_use]
     pub(crate) const fn new() -> Self {
-        Self { table: Table::new(), counters: Counters::ZERO, steps: Steps::NONE, repair: PhantomData }
+        Self {
+            table: Table::new(),
+            counters: Counters::ZERO,
+            steps: Steps::NONE,
+            pieces: Pieces::NONE,
+            repair: PhantomData,
+        }
     }
 
     /// Takes the light of the next row of pixels, which have so much noise.
@@ -237,9 +245,9 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
             if may_be_border && let Some(track) = self.table.track_mut(place) {
                 track.line.left_by_light = None;
             }
-            let strays = self.table.finish(place);
-            self.counters.count_stray(strays);
+            self.finish(place);
         }
+        self.pieces = Pieces::NONE;
         self.split_ended();
         self.table.end_frame();
     }
@@ -314,6 +322,15 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
         self.steps.is_dark() && self.table.tracks_under_way().all(|track| track.line.last().row != row)
     }
 
+    /// Ends a line that has been left out of those under way.
+    fn finish(&mut self, place: u16) {
+        if let Some(track) = self.table.track_mut(place) {
+            track.line.asides = self.pieces.agreeing(track.line.asides);
+        }
+        let strays = self.table.finish(place);
+        self.counters.count_stray(strays);
+    }
+
     /// Ends lines that have missed too many rows. Whether this row has shown a young line, which may go on where others
     /// broke off.
     fn end_lines(&mut self, limits: &Limits, row: u16) -> bool {
@@ -325,9 +342,10 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
                     has_young |= track.is_young();
                 } else if !(is_dark && track.state != State::Tentative) && track.misses_row(limits) {
                     self.table.leave_out(index);
-                    let strays = self.table.finish(place);
-                    self.counters.count_stray(strays);
+                    self.finish(place);
                     continue;
+                } else if R::REPAIRS && track.missed_rows == SUCCESSOR_DELAY_ROWS {
+                    self.pieces.take(&mut self.table, place);
                 }
             }
             index += 1;

@@ -162,9 +162,21 @@ pub(super) const LEAST_STEP_Q16: i64 = 3 << 14;
 /// many).
 pub(super) const LEAST_STEPS: i8 = 5;
 
-/// While nothing begins or ends, what may begin is looked for in every so many rows: that is most of what an empty row
-/// costs, and a line is found so much later at most (`frames::a_post_is_found_in_single_precision`,
-/// `cargo xtask budget --use flat`).
+/// A line may go on a step aside in a row so many rows from where it breaks off, in either direction: where pulses come and
+/// go at the same time, one image of an edge fades while the next one grows; and it is looked for so many rows later, when
+/// that has become a line (`pulsed::pulsed_light_is_noticed` with a quarter of either).
+pub(super) const SUCCESSOR_ROWS: u16 = 24;
+pub(super) const SUCCESSOR_DELAY_ROWS: u16 = 12;
+
+/// So many lines, such a share of those that break off, and more than so many times as many as to the other side, go on a step
+/// to one side: of a busy picture's lines half do by chance, to either side (`pulsed::pulsed_light_is_noticed` with two more,
+/// `line::pieces::tests::most_make_steps_to_one_side`).
+pub(super) const LEAST_PIECES: u8 = 2;
+pub(super) const PIECES_SHARE: (u16, u16) = (2, 3);
+pub(super) const PIECES_RATIO: u16 = 2;
+
+/// What may begin is looked for in every so many rows: that is most of what an empty row costs, and a line is found so
+/// much later at most (`frames::a_post_is_found_in_single_precision`, `cargo xtask budget --use flat`).
 pub(super) const LOOK_FOR_NEW_ROWS: u16 = 3;
 
 /// Beside located lines every so many rows are looked at: an edge that begins there is found that much later; each look

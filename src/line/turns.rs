@@ -13,7 +13,7 @@ pub(crate) fn looks_for_halo(row: u16, response: &Response) -> bool {
     looks(row) || response.is_linear()
 }
 
-/// Whether a row that shows each line as the row before did is scanned for new ones: some are, of a mosaic of each kind.
+/// Whether a row is scanned for new lines: some are, of a mosaic of each kind.
 pub(crate) const fn looks_for_new(row: u16, is_mosaic: bool) -> bool {
     turn(row, is_mosaic).is_multiple_of(LOOK_FOR_NEW_ROWS as u32)
 }

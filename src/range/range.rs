@@ -243,7 +243,7 @@ impl<S: Scalar> Range<S> {
         let status = if is_single { status_of(setup, line, &self.estimate) } else { self.estimate.status() };
         self.status = status
             .unless(Objection::FittedLean, leans)
-            .unless(Objection::Light, is_single && line.is_cut_by_light())
+            .unless(Objection::Light, is_single && (line.is_cut_by_light() || line.is_piece()))
             .unless(Objection::Clutter, is_single && self.is_by_chance(line));
     }
 

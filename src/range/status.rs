@@ -28,8 +28,8 @@ pub enum RangeStatus {
     Tentative,
     /// No straight edge fits: a part departs by more than
     /// [`Limits::max_departure_q16`](crate::Limits::max_departure_q16), or the camera would pass the edge within the
-    /// frame. So is what stands still from where the light of the rows changes, or up to there: in pulsed light a piece of
-    /// an edge does, however near it is. Of a [strict](crate::Range::strict) range: its points scatter more than stated.
+    /// frame. So is what stands still from where the light of the rows changes, or up to there, or goes on a step aside as
+    /// most edges of the frame do: in pulsed light a piece of an edge does, however near it is. Of a [strict](crate::Range::strict) range: its points scatter more than stated.
     Bent,
     /// So much texture around it, or so few rows that scatter so much, that this line may be one by chance.
     Cluttered,

@@ -24,7 +24,7 @@ use crate::setup::Setup;
 /// let ranger = RANGER.take();
 /// ```
 ///
-/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 248 bytes.
+/// *Memory*: at most `LINES` × (176 + 40 `KNOTS`) + 24 `POINTS` + 256 bytes.
 ///
 /// ```
 /// # use shutter_range::{EdgePoint, Ranger, RangeStatus, Setup, Sigmas, Twist, Uncertainty};
