@@ -30,8 +30,8 @@ impl Pieces {
     #[inline(never)] // seldom
     pub(super) fn take<const LINES: usize, const KNOTS: usize>(&mut self, table: &mut Table<LINES, KNOTS>, place: u16) {
         let Some(track) = table.track(place).filter(|track| track.state != State::Tentative) else { return };
-        let end =
-            End { first_row: track.line.first().row, last: *track.line.last(), slope_q16: track.filter.slope_q16 };
+        let (first, last) = (track.line.first(), *track.line.last());
+        let end = End { first_row: first.row, last, slope_q16: track.filter.slope_q16 };
         let mut found = Asides::NONE;
         let (places, mut tracks) = table.places_and_tracks();
         for place in places {

@@ -39,7 +39,7 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
     for (index, place) in places.iter().enumerate() {
         let [_, right] = &mut around;
         *right = beside(&tracks, index + 1);
-        let own_q16 = core::mem::replace(&mut own, *right);
+        let passed = core::mem::replace(&mut own, *right);
         let Some(track) = tracks.get_mut(*place) else { continue };
         let found = if track.locate_steady(&row, &around) { Some(true) } else { track.locate_between(&row, &around) };
         match found {
@@ -53,7 +53,7 @@ pub(super) fn locate_steady<P: Pixels, const LINES: usize, const KNOTS: usize>(
             None => {}
         }
         let [left, _] = &mut around;
-        *left = own_q16.behind(left);
+        *left = passed.behind(left);
     }
     located
 }
