@@ -153,14 +153,17 @@ mod tests {
         assert_eq!(dark(10), Vec::from_iter(10..20));
     }
 
+    /// After forty rows, ten of each brightness, in per cent.
+    fn light_of(percents: [u32; 4]) -> Light {
+        let mut light = Light::UNSEEN;
+        (0..40).for_each(|row| light.take(row, &&[2 * percents[usize::from(row / 10)] as u8; 320], || NOISE_Q8));
+        light
+    }
+
     /// What a frame begins with may be its border.
     #[test]
     fn it_comes_before_it_changes() {
-        let has_changed = |percents: [u32; 4]| {
-            let mut light = Light::UNSEEN;
-            (0..40).for_each(|row| light.take(row, &&[2 * percents[usize::from(row / 10)] as u8; 320], || NOISE_Q8));
-            light.has_changed()
-        };
+        let has_changed = |percents| light_of(percents).has_changed();
         assert!(!has_changed([100, 100, 100, 100]));
         assert!(!has_changed([1, 1, 100, 100]), "it comes");
         assert!(has_changed([100, 100, 50, 50]) && has_changed([100, 100, 1, 1]) && has_changed([1, 100, 1, 100]));
@@ -170,11 +173,7 @@ mod tests {
     /// Light that goes twice is no border.
     #[test]
     fn what_is_dark_to_the_end_may_be_a_border() {
-        let is_border = |percents: [u32; 4]| {
-            let mut light = Light::UNSEEN;
-            (0..40).for_each(|row| light.take(row, &&[2 * percents[usize::from(row / 10)] as u8; 320], || NOISE_Q8));
-            light.may_be_border()
-        };
+        let is_border = |percents| light_of(percents).may_be_border();
         assert!(is_border([100, 100, 100, 1]) && is_border([1, 100, 50, 1]) && is_border([100, 50, 1, 1]));
         assert!(!is_border([100, 1, 100, 1]) && !is_border([100, 1, 50, 1]) && !is_border([1, 100, 100, 100]));
     }
