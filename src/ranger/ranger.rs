@@ -56,7 +56,7 @@ pub struct Ranger<const LINES: usize, const KNOTS: usize, const POINTS: usize, R
 /// For a small board: 8 lines, 16 edge points a row. 4.6 kB.
 pub type SmallRanger = Ranger<8, 8, 16>;
 
-/// For a vision board: 16 lines, 32 edge points a row. 11.4 kB.
+/// For a vision board: 16 lines, 32 edge points a row. 11.5 kB.
 pub type BoardRanger = Ranger<16, 12, 32>;
 
 /// For a desktop: 256 lines, 4096 edge points a row. 0.8 MB: make it in a `static`, or box it.
