@@ -15,7 +15,7 @@ impl Asides {
         self != Self::NONE
     }
 
-    pub(super) const fn and(self, other: Self) -> Self {
+    pub(super) const fn or(self, other: Self) -> Self {
         Self { left: self.left || other.left, right: self.right || other.right }
     }
 }

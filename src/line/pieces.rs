@@ -37,11 +37,11 @@ impl Pieces {
         for place in places {
             let Some(other) = tracks.get_mut(*place) else { continue };
             let asides = end.asides_of(other);
-            other.line.asides = other.line.asides.and(asides);
-            found = found.and(asides);
+            other.line.asides = other.line.asides.or(asides);
+            found = found.or(asides);
         }
         if let Some(track) = tracks.get_mut(place) {
-            track.line.asides = track.line.asides.and(found);
+            track.line.asides = track.line.asides.or(found);
         }
         self.ended = self.ended.saturating_add(1);
         self.on_left = self.on_left.saturating_add(found.left.into());

@@ -99,6 +99,7 @@ impl<const KNOTS: usize> Line<KNOTS> {
         }
         self.knots.truncate(self.knots.len().saturating_sub(cut.left));
         (self.first, self.points) = (cut.start, cut.points_after);
+        // As in [`Self::keep_before`].
         self.begins_with_light = self.left_by_light.is_some();
     }
 

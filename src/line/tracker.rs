@@ -324,7 +324,9 @@ impl<const LINES: usize, const KNOTS: usize, R: Repair> Tracker<LINES, KNOTS, R>
 
     /// Ends a line that has been left out of those under way.
     fn finish(&mut self, place: u16) {
-        if let Some(track) = self.table.track_mut(place) {
+        if R::REPAIRS
+            && let Some(track) = self.table.track_mut(place)
+        {
             track.line.asides = self.pieces.agreeing(track.line.asides);
         }
         let strays = self.table.finish(place);
