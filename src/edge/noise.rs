@@ -93,8 +93,9 @@ impl Across {
         let columns = pixels.columns();
         // In few stretches one edge would be what is usual.
         let every = if columns < FEW_STRETCHES * STRETCH { 2 * WINDOW } else { STRETCH };
-        let starts = (every / 2..).step_by(every).take_while(|middle| middle + every / 2 <= columns);
-        let middles = || starts.clone().map(|middle| beside(pixels, middle));
+        // Either is a power of two: a division would take flash where a core has none.
+        let every_log2 = every.ilog2();
+        let middles = || (0..columns >> every_log2).map(|index| beside(pixels, (2 * index + 1) << (every_log2 - 1)));
         let is_mosaic = pixels.mosaic_row().is_some();
         self.second_q8 = usual_size(|| middles().map(|pixels| second_difference(pixels, is_mosaic)));
         self.difference_q8 = usual_size(|| middles().map(sliding_difference));
